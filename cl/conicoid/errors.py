@@ -1,0 +1,65 @@
+"""Every error the engine raises, on one page.
+
+Each class has a stable `code`, which the service sends to clients and `docs/errors.md` explains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class ConicoidError(Exception):
+    """Base of all of Conicoid's own errors; the message is one readable paragraph."""
+
+    code = "error"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with a document: where, what, the rule and the remedy.
+
+    Attributes:
+        pointer: place in the document, as in `quadrics[3].radius`; empty for the whole document.
+        message: value, rule and remedy: `-1 is not > 0; give a positive radius`.
+        code: stable code of this kind of problem, as in `scene-value`.
+    """
+
+    pointer: str
+    message: str
+    code: str
+
+    def __str__(self) -> str:
+        place = f"{self.pointer}: " if self.pointer else ""
+        return f"{place}{self.message} [{self.code}]"
+
+
+class SceneError(ConicoidError):
+    """The scene document breaks the contract; `problems` says where (at least one)."""
+
+    code = "scene-invalid"
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        super().__init__("\n".join(map(str, problems)))
+        self.problems = tuple(problems)
+        self.code = problems[0].code
+
+
+class LimitError(ConicoidError):
+    """More work than a limit allows, refused before anything is allocated."""
+
+    code = "limit"
+
+    def __init__(self, what: str, limit: int, asked: int) -> None:
+        super().__init__(f"{asked} {what} asked, the limit is {limit}; ask for less or raise the limit in the settings")
+        self.what, self.limit, self.asked = what, limit, asked
+
+
+class DeviceError(ConicoidError):
+    """No usable OpenCL device, or the one that was asked for is not there."""
+
+    code = "device-missing"
+
+
+class KernelError(DeviceError):
+    """A kernel did not build; the message holds the compiler's log with file and line."""
+
+    code = "kernel-build"

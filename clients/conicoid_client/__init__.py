@@ -1,0 +1,1 @@
+"""Conicoid's HTTP client and the `conicoid` command."""

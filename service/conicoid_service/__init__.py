@@ -1,0 +1,1 @@
+"""Conicoid's HTTP application and the render process it supervises."""
