@@ -1,0 +1,46 @@
+# Everything runs in .venv, which `make setup` fills from the hashed lock in requirements/.
+
+PYTHON ?= python3
+ENGINE ?= $(firstword $(shell command -v podman docker))
+SETUP := .venv/.setup
+COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
+	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
+
+.PHONY: setup demo test check bench image test-package lock clean
+
+setup: $(SETUP)
+
+$(SETUP): pyproject.toml requirements/dev.txt
+	$(PYTHON) -m venv .venv
+	.venv/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement requirements/dev.txt
+	.venv/bin/pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+demo: $(SETUP)
+	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png
+
+test: $(SETUP)
+	.venv/bin/pytest --ignore=tests/container
+
+check: $(SETUP)
+	.venv/bin/ruff format --check .
+	.venv/bin/ruff check .
+	.venv/bin/mypy
+	.venv/bin/pytest --quiet tests/test_imports.py
+
+bench: $(SETUP)
+	.venv/bin/conicoid bench
+
+image:
+	$(ENGINE) build --file docker/Dockerfile --tag conicoid .
+
+test-package: $(SETUP)
+	.venv/bin/pytest tests/container
+
+lock: $(SETUP)
+	$(COMPILE) pyproject.toml --extra pocl --group dev --output-file requirements/dev.txt
+	$(COMPILE) pyproject.toml --constraints requirements/dev.txt --output-file requirements/run.txt
+	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
+
+clean:
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist out

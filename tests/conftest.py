@@ -1,0 +1,7 @@
+"""Settings for every test."""
+
+from hypothesis import settings
+
+# The same examples on every run, and no verdict by the clock: a slow machine is not a defect.
+settings.register_profile("conicoid", deadline=None, derandomize=True)
+settings.load_profile("conicoid")

@@ -1,0 +1,89 @@
+"""Who may import whom: client -> nothing of ours, service -> engine, and OpenCL only where kernels run."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+SOURCES = {"conicoid": ROOT / "cl", "conicoid_service": ROOT / "service", "conicoid_client": ROOT / "clients"}
+ENGINE_THIRD_PARTY = {"numpy", "pyopencl", "flint", "orjson"}
+DEVICE_SIDE = {f"conicoid.{name}" for name in ("bins", "cast", "device", "engine", "program", "setup")}
+RENDER_PROCESS = {"conicoid_service.render_process"}
+
+
+@dataclass(frozen=True)
+class Import:
+    """One `import` of one of our modules: who, whom, and whether it runs when the module loads."""
+
+    importer: str
+    imported: str
+    at_load: bool
+
+    @property
+    def package(self) -> str:
+        return self.importer.split(".")[0]
+
+    @property
+    def target(self) -> str:
+        return self.imported.split(".")[0]
+
+
+def imports_under(node: ast.AST, importer: str, at_load: bool = True) -> Iterator[Import]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.Import):
+            yield from (Import(importer, alias.name, at_load) for alias in child.names)
+        elif isinstance(child, ast.ImportFrom):
+            assert child.level == 0 and child.module, f"{importer}: relative imports hide the direction"
+            yield Import(importer, child.module, at_load)
+        else:
+            in_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            yield from imports_under(child, importer, at_load and not in_function)
+
+
+def modules() -> dict[str, Path]:
+    files = {path: root for package, root in SOURCES.items() for path in (root / package).rglob("*.py")}
+    names = {path: ".".join(path.relative_to(root).with_suffix("").parts) for path, root in files.items()}
+    return {name.removesuffix(".__init__"): path for path, name in names.items()}
+
+
+MODULES = modules()
+IMPORTS = [found for name, path in MODULES.items() for found in imports_under(ast.parse(path.read_bytes()), name)]
+
+
+def breaches(*, package: str, targets: set[str], at_load_only: bool = False) -> list[Import]:
+    return [i for i in IMPORTS if i.package == package and i.target in targets and (i.at_load or not at_load_only)]
+
+
+def test_engine_imports_neither_service_nor_client() -> None:
+    assert not breaches(package="conicoid", targets={"conicoid_service", "conicoid_client"})
+
+
+def test_engine_needs_only_its_four_libraries() -> None:
+    allowed = ENGINE_THIRD_PARTY | {"conicoid"} | sys.stdlib_module_names
+    assert not [i for i in IMPORTS if i.package == "conicoid" and i.target not in allowed]
+
+
+def test_service_does_not_import_the_client() -> None:
+    assert not breaches(package="conicoid_service", targets={"conicoid_client"})
+
+
+def test_client_imports_the_engine_never_and_the_service_only_inside_functions() -> None:
+    assert not breaches(package="conicoid_client", targets={"conicoid"})
+    assert not breaches(package="conicoid_client", targets={"conicoid_service"}, at_load_only=True)
+
+
+def test_only_the_device_side_imports_pyopencl() -> None:
+    assert {i.importer for i in IMPORTS if i.target == "pyopencl"} <= DEVICE_SIDE
+
+
+@pytest.mark.parametrize("package", sorted(SOURCES))
+def test_all_but_the_device_side_loads_without_an_opencl_driver(package: str) -> None:
+    """So the API's process never holds a driver, and scenes and algebra work where there is none."""
+    names = [n for n in MODULES if n.split(".")[0] == package and n not in DEVICE_SIDE | RENDER_PROCESS]
+    load = "import importlib, sys; sys.modules['pyopencl'] = None; [importlib.import_module(n) for n in sys.argv[1:]]"
+    subprocess.run([sys.executable, "-W", "error", "-c", load, *names], check=True)
