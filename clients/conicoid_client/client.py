@@ -111,16 +111,21 @@ class Client:
         except ValueError:
             answer = None
         if not isinstance(answer, dict):
-            raise ProblemError(response.status_code, "http-not-json", "the answer is not a JSON object; is this Conicoid?")
+            raise ProblemError(
+                response.status_code, "http-not-json", "the answer is not a JSON object; is this Conicoid?"
+            )
         return answer
 
     def close(self) -> None:
+        """Let go of the connection, and of the transport that was given."""
         self._http.close()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def _send(
@@ -170,7 +175,7 @@ def _problem(response: httpx.Response) -> ProblemError:
     code = str(body.get("code") or f"http-{status}")
     errors = body.get("errors")
     problems = [
-        Problem(str(e.get("pointer", "")), str(e.get("message", "")))
+        Problem(str(e.get("pointer", "")), str(e.get("message", "")), str(e.get("code", "")))
         for e in (errors if isinstance(errors, list) else [])
         if isinstance(e, dict)
     ]

@@ -18,14 +18,17 @@ class Problem:
 
     Attributes:
         pointer: place in the document, as in `quadrics[3].radius`; empty for the whole document.
-        message: value, rule, remedy and code: `-1 is not > 0; give a positive radius [scene-value]`.
+        message: value, rule and remedy: `-1 is not > 0; give a positive radius`.
+        code: stable code of this kind of problem, as in `scene-value`; empty where the service gave none.
     """
 
     pointer: str
     message: str
+    code: str
 
     def __str__(self) -> str:
-        return f"{self.pointer}: {self.message}" if self.pointer else self.message
+        place = f"{self.pointer}: " if self.pointer else ""
+        return place + self.message + (f" [{self.code}]" if self.code else "")
 
 
 class ProblemError(ClientError):

@@ -15,6 +15,9 @@ from numpy.typing import NDArray
 from conicoid_client.errors import ClientError
 
 Window = tuple[int, int, int, int]
+Mask = NDArray[np.bool_]
+
+DEPTHS = ("Z", "T", "ZBack")
 
 # Header fields of a damaged file can ask for any size; this is four times what a service renders by default.
 _MOST_PIXELS = 1 << 28
@@ -40,6 +43,32 @@ class ExrImage:
     data_window: Window
     display_window: Window
     compression: str
+
+    def vector(self, name: str) -> NDArray[Any] | None:
+        """Channels name.X, name.Y, name.Z as one (h, w, 3) array; None unless all are there."""
+        planes = [self.channels[f"{name}.{axis}"] for axis in "XYZ" if f"{name}.{axis}" in self.channels]
+        return np.stack(planes, axis=-1) if len(planes) == 3 else None
+
+    def depth(self) -> NDArray[Any] | None:
+        """The first of Z, T and ZBack."""
+        return next((self.channels[name] for name in DEPTHS if name in self.channels), None)
+
+    def hits(self) -> Mask | None:
+        """Which pixels show a quadric, (h, w): as A or id say, else where N or P are not zero, else by the depth.
+
+        A depth can be inf on a hit and a finite number on a miss, so it decides only in a file that has nothing
+        else. None where no channel tells.
+        """
+        for name in ("A", "id"):
+            if name in self.channels:
+                return np.asarray(self.channels[name] > 0)
+        for name in ("N", "P"):
+            if (vector := self.vector(name)) is not None:
+                return np.asarray(vector.any(axis=-1))
+        if (depth := self.depth()) is None:
+            return None
+        background = np.float32(self.attributes.get("conicoid/backgroundDepth", np.inf))
+        return np.asarray(np.isfinite(depth) & (depth != background))
 
 
 def decode(data: bytes) -> ExrImage:

@@ -5,8 +5,6 @@ import secrets
 import shutil
 import stat
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 STANDARD = "-"
@@ -61,25 +59,19 @@ def write(target: str, data: bytes) -> None:
     if not _replaceable(path):
         path.write_bytes(data)
         return
-    with _replacing(path) as beside:
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
         with beside.open("xb") as file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-
-
-def _replaceable(path: Path) -> bool:
-    return not path.exists() or stat.S_ISREG(path.stat().st_mode)
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        yield beside
         if path.exists():
             shutil.copymode(path, beside)
         beside.replace(path)
     except BaseException:
         beside.unlink(missing_ok=True)
         raise
+
+
+def _replaceable(path: Path) -> bool:
+    return not path.exists() or stat.S_ISREG(path.stat().st_mode)

@@ -25,12 +25,16 @@ class LocalTransport(httpx.BaseTransport):
             self._running = stack.pop_all()
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
+        """One request, answered by the application's thread."""
         return self._portal.call(self._answer, request)
 
     def close(self) -> None:
+        """Leave the application's lifespan and end its thread."""
         self._running.close()
 
     async def _answer(self, request: httpx.Request) -> httpx.Response:
         response = await self._asgi.handle_async_request(request)
         body = await response.aread()
-        return httpx.Response(response.status_code, headers=response.headers, content=body, extensions=response.extensions)
+        return httpx.Response(
+            response.status_code, headers=response.headers, content=body, extensions=response.extensions
+        )

@@ -2,25 +2,26 @@
 
 import colorsys
 import io
-import math
 
 import cmap
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageColor
 
-from conicoid_client.exr import ExrError, ExrImage
+from conicoid_client.errors import ClientError
+from conicoid_client.exr import ExrError, ExrImage, Mask
 
-Mask = NDArray[np.bool_]
 Rgb = NDArray[np.uint8]
-
-_DEPTHS = ("Z", "T", "ZBack")
 
 # From far to near. The darkest fifth of the map is left out: it would drown on a dark page.
 _DEPTH_COLOURS = (cmap.Colormap("matplotlib:magma")(np.linspace(0.2, 0.98, 1024))[:, :3] * 255).round().astype(np.uint8)
 
 # Beyond this ratio of far to near a linear scale leaves everything near in one colour.
 _LINEAR_RATIO = 8.0
+
+
+class ColourError(ClientError):
+    """The background is not a colour that Pillow knows."""
 
 
 def png(image: ExrImage, *, width: int | None = None, background: str | None = None) -> bytes:
@@ -32,14 +33,14 @@ def png(image: ExrImage, *, width: int | None = None, background: str | None = N
         background: colour in place of transparency, as in `white` or `#15171c`.
     Raises:
         ExrError: there is no channel that can be shown.
-        ValueError: `background` is not a colour.
+        ColourError: `background` is not a colour.
     """
     picture = _side_by_side([_on_display(panel, image) for panel in _panels(image)])
     if width is not None and width < picture.width:
         height = max(1, round(picture.height * width / picture.width))
         picture = picture.resize((width, height), Image.Resampling.LANCZOS)
     if background is not None:
-        flat = Image.new("RGBA", picture.size, ImageColor.getrgb(background))
+        flat = Image.new("RGBA", picture.size, _colour(background))
         flat.alpha_composite(picture)
         picture = flat.convert("RGB")
     file = io.BytesIO()
@@ -47,48 +48,44 @@ def png(image: ExrImage, *, width: int | None = None, background: str | None = N
     return file.getvalue()
 
 
-def hit_mask(image: ExrImage) -> Mask:
-    """Which pixels show a quadric: as A or id say; else where the depth is finite and N or P are not zero.
-
-    A depth can be inf on a hit and a finite number on a miss, so it decides only in a file that has nothing else.
-    """
-    for name in ("A", "id"):
-        if name in image.channels:
-            return np.asarray(image.channels[name] > 0)
-    for name in ("N", "P"):
-        if (vector := _vector(image, name)) is not None:
-            return np.asarray(vector.any(axis=-1))
-    depth = next(image.channels[name] for name in _DEPTHS if name in image.channels)
-    background = image.attributes.get("conicoid/backgroundDepth", math.inf)
-    return np.asarray(np.isfinite(depth) & (depth != np.float32(background)))
+def _colour(name: str) -> str:
+    try:
+        ImageColor.getrgb(name)
+    except ValueError:
+        raise ColourError(f"{name!r} is not a colour; give a name such as white or a code such as #15171c") from None
+    return name
 
 
 def _panels(image: ExrImage) -> list[Image.Image]:
-    depth = next((image.channels[name] for name in _DEPTHS if name in image.channels), None)
-    normals = _vector(image, "N")
+    hits = image.hits()
+    if hits is None:
+        raise ExrError(
+            f"it has no depth, normals, positions, ids or coverage to show, only {', '.join(image.channels)}"
+        )
+    depth, normals = image.depth(), image.vector("N")
     colours = []
     if depth is not None:
-        colours.append(depth_colours(depth, hit_mask(image)))
+        colours.append(depth_colours(depth, hits))
     if normals is not None:
         colours.append(normal_colours(normals))
     if not colours:
-        colours.append(_other_colours(image))
-    alpha = np.where(hit_mask(image), np.uint8(255), np.uint8(0))
+        colours.append(_other_colours(image, hits))
+    alpha = np.where(hits, np.uint8(255), np.uint8(0))
     return [Image.fromarray(np.dstack([rgb, alpha])) for rgb in colours]
 
 
-def depth_colours(depth: NDArray[np.floating], hit: Mask) -> Rgb:
+def depth_colours(depth: NDArray[np.floating], hits: Mask) -> Rgb:
     """Depth by a perceptually uniform map, near bright; (h, w) to (h, w, 3).
 
     The scale spans all but the nearest and farthest half per cent of the hits, linearly, or logarithmically where
     it spans more than a factor of eight.
     """
     z = depth.astype(np.float64)
-    seen = z[hit & np.isfinite(z)]
+    seen = z[hits & np.isfinite(z)]
     if not seen.size:
         return _DEPTH_COLOURS[np.zeros(depth.shape, np.intp)]
     near, far = np.quantile(seen, [0.005, 0.995])
-    if 0 < near and near * _LINEAR_RATIO < far:
+    if near > 0 and near * _LINEAR_RATIO < far:
         near, far = np.log(near), np.log(far)
         z = np.log(np.maximum(z, np.finfo(np.float64).tiny))
     span = far - near if far > near else 1.0
@@ -102,33 +99,24 @@ def normal_colours(normals: NDArray[np.floating]) -> Rgb:
     return np.asarray(np.clip((n + 1) * 127.5, 0, 255).round().astype(np.uint8))
 
 
-def _other_colours(image: ExrImage) -> Rgb:
-    if (position := _vector(image, "P")) is not None:
-        return _position_colours(position, hit_mask(image))
+def _other_colours(image: ExrImage, hits: Mask) -> Rgb:
+    if (position := image.vector("P")) is not None:
+        return _position_colours(position, hits)
     if "id" in image.channels:
         # Steps of the golden angle keep the hues of neighbouring ids apart.
         hues = [colorsys.hsv_to_rgb(k * 0.6180339887 % 1, 0.55, 0.95) for k in range(4096)]
-        return (np.array(hues) * 255).astype(np.uint8)[image.channels["id"] % 4096]
-    if "A" in image.channels:
-        return np.broadcast_to(_DEPTH_COLOURS[-1], (*image.channels["A"].shape, 3)).copy()
-    raise ExrError(f"it has no depth, normals, positions, ids or coverage to show, only {', '.join(image.channels)}")
+        return np.asarray((np.array(hues) * 255).astype(np.uint8)[image.channels["id"] % 4096])
+    return np.broadcast_to(_DEPTH_COLOURS[-1], (*hits.shape, 3))
 
 
-def _position_colours(position: NDArray[np.floating], hit: Mask) -> Rgb:
+def _position_colours(position: NDArray[np.floating], hits: Mask) -> Rgb:
     """Position within the hits' bounding box as red, green, blue."""
     p = np.nan_to_num(position.astype(np.float64))
-    if not hit.any():
+    if not hits.any():
         return np.zeros(position.shape, np.uint8)
-    low, high = np.quantile(p[hit], [0.005, 0.995], axis=0)
+    low, high = np.quantile(p[hits], [0.005, 0.995], axis=0)
     scale = np.where(high > low, high - low, 1.0)
-    return (np.clip((p - low) / scale, 0, 1) * 255).astype(np.uint8)
-
-
-def _vector(image: ExrImage, name: str) -> NDArray[np.floating] | None:
-    """Channels name.X, name.Y, name.Z as one (h, w, 3) array."""
-    planes = [image.channels.get(f"{name}.{axis}") for axis in "XYZ"]
-    present = [plane for plane in planes if plane is not None]
-    return np.stack(present, axis=-1) if len(present) == 3 else None
+    return np.asarray((np.clip((p - low) / scale, 0, 1) * 255).astype(np.uint8))
 
 
 def _on_display(panel: Image.Image, image: ExrImage) -> Image.Image:

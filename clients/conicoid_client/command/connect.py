@@ -1,0 +1,44 @@
+"""The service that a command talks to: a running one, or the same application in this process."""
+
+import argparse
+import logging
+import os
+from typing import TYPE_CHECKING
+
+from conicoid_client.command.report import Failure
+
+if TYPE_CHECKING:
+    from conicoid_client.client import Client
+    from conicoid_service.settings import Settings
+
+
+def server(options: argparse.Namespace) -> str | None:
+    """The address of a running service, from the command line or the environment."""
+    return options.server or os.environ.get("CONICOID_SERVER") or None
+
+
+def settings() -> "Settings":
+    """The service's settings, from the environment."""
+    from conicoid_service.errors import SettingsError
+    from conicoid_service.settings import Settings
+
+    try:
+        return Settings.from_environment()
+    except SettingsError as error:
+        raise Failure(str(error)) from None
+
+
+def connect(options: argparse.Namespace) -> "Client":
+    """A client of that service, or of one that lives as long as the client."""
+    from conicoid_client.client import Client
+
+    if (address := server(options)) is not None:
+        return Client(address)
+    from conicoid_service.app import create_app
+
+    from conicoid_client.local import LocalTransport
+
+    # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
+    logging.getLogger().addHandler(logging.NullHandler())
+    # Nobody else uses this service, so there is nothing to wait for and no sense in a retry.
+    return Client("http://conicoid", transport=LocalTransport(create_app(settings())), retries=0)

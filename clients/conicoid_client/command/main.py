@@ -1,0 +1,115 @@
+"""Arguments in, exit status out: 0 done; 2 bad usage or bad scene; 1 anything else."""
+
+import argparse
+import os
+import signal
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from typing import NoReturn
+
+from conicoid_client.command.report import report
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 0, 1, 2, 128 + signal.SIGINT, 128 + signal.SIGTERM
+
+_PRECISIONS = ("exact", "float64", "float32")
+_SERVER = "a running service, as in http://127.0.0.1:8000 (default: $CONICOID_SERVER, else this process)"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; never raises, so never a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    signal.signal(signal.SIGTERM, _terminate)
+    try:
+        options = _parser().parse_args(arguments)
+        run: Callable[[argparse.Namespace], None] = import_module(f"conicoid_client.command.{options.command}").run
+        run(options)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except BrokenPipeError:
+        # Whoever read our output has gone; a second complaint at interpreter exit helps nobody.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else FAILED
+    except Exception as error:  # noqa: BLE001 -- a traceback is a defect, whatever happened
+        return BAD_INPUT if report(error) else FAILED
+    return DONE
+
+
+def _terminate(_signal: int, _frame: object) -> NoReturn:
+    raise SystemExit(TERMINATED)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="conicoid",
+        description="Exact batch ray-casting of quadrics: scene documents in, OpenEXR depth and normals out.",
+        epilog="`-` is standard input or output. Exit status: 0 done; 2 bad usage or bad scene; 1 anything else.",
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    def command(name: str, summary: str) -> argparse.ArgumentParser:
+        return commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
+
+    serve = command("serve", "answer HTTP requests until interrupted")
+    serve.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
+    serve.add_argument("--port", default=8000, type=_port, help="port to listen on, 0 for any (default: %(default)s)")
+
+    render = command("render", "render a scene to an OpenEXR file")
+    render.add_argument("scene", metavar="SCENE.json")
+    render.add_argument("-o", "--output", required=True, metavar="OUT.exr")
+    render.add_argument("--preview", metavar="OUT.png", help="also write a picture: depth beside normals")
+    render.add_argument("--precision", choices=_PRECISIONS, help="in place of the scene's own")
+    render.add_argument("--server", metavar="URL", help=_SERVER)
+    render.add_argument("-v", "--verbose", action="store_true", help="say what was written and how long it took")
+
+    canonical = command("canonical", "print a scene with everything resolved and every default filled in")
+    canonical.add_argument("scene", metavar="SCENE.json")
+    canonical.add_argument("--server", metavar="URL", help=_SERVER)
+
+    preview = command("preview", "make a picture of an OpenEXR file: depth beside normals")
+    preview.add_argument("image", metavar="IN.exr")
+    preview.add_argument("-o", "--output", required=True, metavar="OUT.png")
+    preview.add_argument("--width", type=_pixels, metavar="PIXELS", help="shrink the picture to this width")
+    preview.add_argument("--background", metavar="COLOUR", help="as in white or #15171c (default: transparent)")
+
+    info = command("info", "describe an OpenEXR file")
+    info.add_argument("image", metavar="IN.exr")
+    info.add_argument("--json", action="store_true", help="as JSON")
+
+    device = command("device", "list the OpenCL devices here, or the device of a service")
+    device.add_argument(
+        "--server", metavar="URL", help="a running service (default: $CONICOID_SERVER, else this machine)"
+    )
+    device.add_argument("--json", action="store_true", help="as JSON")
+    return parser
+
+
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for: that takes longer than everything else here."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from importlib.metadata import version
+
+        print(f"conicoid {version('conicoid')}")
+        parser.exit()
+
+
+def _port(text: str) -> int:
+    return _whole(text, 0, 65535)
+
+
+def _pixels(text: str) -> int:
+    return _whole(text, 1, 1 << 20)
+
+
+def _whole(text: str, least: int, most: int) -> int:
+    if not text.isdecimal() or not least <= int(text) <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
+    return int(text)
