@@ -1,0 +1,47 @@
+"""Podman with a store of its own: Debian's package, no daemon, no image registry, no kernel features beyond chroot."""
+
+import os
+import subprocess
+from pathlib import Path
+
+AS_ROOT = [] if os.geteuid() == 0 else ["sudo"]
+CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "conicoid"
+BASE = "debian:trixie-slim"
+
+# vfs and runc, because overlay mounts and crun's cgroups are refused inside many CI machines.
+PODMAN = [
+    *AS_ROOT, "podman", f"--root={CACHE / 'podman'}", "--runroot=/run/conicoid-podman", "--storage-driver=vfs",
+    "--runtime=runc", "--cgroup-manager=cgroupfs", "--events-backend=file",
+]  # fmt: skip
+
+# What a careful farm would set; the limits are explicit because podman's own are above what a CI machine may grant.
+LOCKED_DOWN = [
+    "--rm", "--interactive", "--network=none", "--read-only", "--cap-drop=all", "--security-opt=no-new-privileges",
+    "--ulimit=nofile=1024:1024", "--ulimit=nproc=4096:4096",
+]  # fmt: skip
+
+
+def build(context: Path, tag: str, secrets: dict[str, Path]) -> None:
+    """Build the image of `docker/Dockerfile`; each secret is a file for the build that stays out of the image."""
+    given = [f"--secret=id={name},src={path}" for name, path in secrets.items()]
+    how = ["--pull=never", "--isolation=chroot", "--format=docker", "--layers=false", *given]
+    subprocess.run([*PODMAN, "build", *how, "--file=docker/Dockerfile", f"--tag={tag}", "."], cwd=context, check=True)
+
+
+def run(*arguments: str, image: str, stdin: bytes = b"", entrypoint: str | None = None) -> bytes:
+    """Standard output of the image run locked down, without network; its errors go to standard error."""
+    start = [] if entrypoint is None else [f"--entrypoint={entrypoint}"]
+    command = [*PODMAN, "run", *LOCKED_DOWN, *start, image, *arguments]
+    return subprocess.run(command, input=stdin, stdout=subprocess.PIPE, check=True).stdout
+
+
+def ensure_base(scratch: Path) -> None:
+    """Make Debian 13 by debootstrap under the name that the Dockerfile starts from; kept between runs."""
+    if subprocess.run([*PODMAN, "image", "exists", BASE], check=False).returncode == 0:
+        return
+    tree, tar = str(scratch / "trixie"), str(scratch / "trixie.tar")
+    subprocess.run([*AS_ROOT, "debootstrap", "--variant=minbase", "trixie", tree], check=True)
+    copied_from_this_machine = ["--exclude=./etc/resolv.conf", "--exclude=./etc/hostname"]
+    subprocess.run([*AS_ROOT, "tar", f"--directory={tree}", *copied_from_this_machine, "-cf", tar, "."], check=True)
+    subprocess.run([*PODMAN, "import", tar, BASE], check=True)
+    subprocess.run([*AS_ROOT, "rm", "-rf", tree, tar], check=True)
