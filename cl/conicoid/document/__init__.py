@@ -1,0 +1,10 @@
+"""The scene document: JSON in, columns checked, arrays resolved.
+
+`json_text` reads strictly; `quadric_fields`, `camera_fields` and `scene_fields` are the one table of what a document
+may say, made of `kinds`, `numeric`, `records` and `variants`, which also give the JSON Schema; `resolve` and `camera`
+derive a scene's numbers.
+"""
+
+from conicoid.document.document import Document, parse
+
+__all__ = ["Document", "parse"]
