@@ -1,0 +1,72 @@
+"""Bytes in an anonymous file, handed between processes as a descriptor.
+
+The file has no name and lives in memory: it is gone with its last holder, whichever process dies, and it does not
+count against `/dev/shm`, which containers keep at 64 MB.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from types import TracebackType
+from typing import BinaryIO, Self
+
+CHUNK = 1 << 18
+
+
+def _anonymous_descriptor() -> int:
+    if hasattr(os, "memfd_create"):
+        return os.memfd_create("conicoid")
+    with tempfile.TemporaryFile(buffering=0) as file:  # other systems: a file that is unlinked already
+        return os.dup(file.fileno())
+
+
+class Blob:
+    """One anonymous file; close it, or use it in a `with` statement."""
+
+    def __init__(self, descriptor: int | None = None) -> None:
+        """Take over `descriptor`, or make a new, empty file."""
+        opened = _anonymous_descriptor() if descriptor is None else descriptor
+        self.file: BinaryIO = os.fdopen(opened, "r+b", buffering=0)
+
+    @classmethod
+    def of(cls, data: bytes) -> Self:
+        """A new file that holds `data`."""
+        blob = cls()
+        blob.append(data)
+        return blob
+
+    def append(self, data: bytes | memoryview) -> None:
+        """Write `data` at the file's position, all of it."""
+        view = memoryview(data)
+        while view:
+            view = view[self.file.write(view) :]
+
+    def read(self) -> bytes:
+        """The whole content; the position is left at the end."""
+        self.file.seek(0)
+        return self.file.read()
+
+    def chunks(self) -> Iterator[bytes]:
+        """The whole content in pieces of at most `CHUNK` bytes."""
+        self.file.seek(0)
+        while chunk := self.file.read(CHUNK):
+            yield chunk
+
+    def fileno(self) -> int:
+        """The descriptor, which stays the blob's."""
+        return self.file.fileno()
+
+    def __len__(self) -> int:
+        return os.fstat(self.file.fileno()).st_size
+
+    def close(self) -> None:
+        """Give the descriptor up; the last holder's close frees the memory."""
+        self.file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -1,0 +1,94 @@
+"""Every error that the service itself raises, on one page; `docs/errors.md` explains the codes."""
+
+from collections.abc import Sequence
+
+from conicoid.errors import ConicoidError, Problem
+
+
+DEFECT = "this request met a defect; the server's log has the details"
+
+
+class ServiceError(ConicoidError):
+    """Base of the service's own errors.
+
+    Attributes:
+        retry_after_s: when a client may try again, where that helps.
+    """
+
+    code = "internal"
+    retry_after_s: int | None = None
+
+
+class MediaTypeError(ServiceError):
+    """The body is not of a type that the route reads."""
+
+    code = "media-type"
+
+
+class ContentEncodingError(ServiceError):
+    """The body is compressed; bodies are read as they are."""
+
+    code = "content-encoding"
+
+
+class QueueFullError(ServiceError):
+    """More requests wait than the queue holds."""
+
+    code = "queue-full"
+    retry_after_s = 1
+
+
+class RenderCrashedError(ServiceError):
+    """The process that worked on the request died, and so did its replacement."""
+
+    code = "render-crashed"
+
+
+class RenderTimeoutError(ServiceError):
+    """The request took longer than the deadline, twice."""
+
+    code = "render-timeout"
+
+
+class UnavailableError(ServiceError):
+    """A process that the request needs cannot be started, for now."""
+
+    code = "render-unavailable"
+    retry_after_s = 10
+
+
+class NotReadyError(ServiceError):
+    """The processes are still starting; only `/readyz` says so, requests wait."""
+
+    code = "not-ready"
+    retry_after_s = 1
+
+
+class StoppingError(ServiceError):
+    """The service is shutting down."""
+
+    code = "stopping"
+    retry_after_s = 5
+
+
+class SettingsError(ServiceError):
+    """A setting in the environment is not usable; raised at start, never sent over HTTP."""
+
+    code = "settings"
+
+
+class ReportedError(ServiceError):
+    """An error that a child process reported: the child's code, paragraph and places."""
+
+    def __init__(
+        self,
+        code: str,
+        detail: str,
+        problems: Sequence[Problem] = (),
+        limit: int | None = None,
+        asked: int | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.code = code
+        self.problems = tuple(problems)
+        self.limit, self.asked = limit, asked

@@ -1,0 +1,130 @@
+"""The OpenAPI document: bodies that the routes read and write by hand, described by hand.
+
+The scene's schema is `conicoid.schema.json_schema()`, made from the table that the parser itself uses.
+"""
+
+from typing import Any, Final
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+from conicoid.schema import json_schema
+from conicoid_service.problems import MEDIA_TYPE
+from conicoid_service.responses import EXR_TYPE
+
+_SCENE: Final = {"$ref": "#/components/schemas/Scene"}
+_TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
+_PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+_BODY: Final = {"requestBody": {"required": True, "content": {"application/json": {"schema": _SCENE}}}}
+_IF_NONE_MATCH: Final = {
+    "name": "If-None-Match",
+    "in": "header",
+    "required": False,
+    "description": "entity tags of images that the client has already, or `*`",
+    "schema": {"type": "string"},
+}
+
+_DESCRIPTIONS: Final = {
+    400: "Not HTTP or JSON as it should be",
+    413: "More bytes, quadrics or pixels than a limit allows",
+    415: "Not `application/json`, or compressed",
+    422: "The scene document breaks a rule; `errors` names each place",
+    429: "The queue is full; try again after `Retry-After` seconds",
+    500: "A defect, or the render process died with the request in it, twice",
+    503: "No device, or starting, or shutting down",
+    504: "The deadline passed",
+}
+
+PROBLEM_SCHEMA: Final[dict[str, Any]] = {
+    "type": "object",
+    "description": "RFC 9457 problem details",
+    "required": ["type", "title", "status", "detail", "code", "errors"],
+    "properties": {
+        "type": {"type": "string", "format": "uri"},
+        "title": {"type": "string"},
+        "status": {"type": "integer"},
+        "detail": {"type": "string", "description": "one readable paragraph: place, value, rule, remedy"},
+        "code": {"type": "string", "description": "stable; docs/errors.md explains each"},
+        "errors": {
+            "type": "array",
+            "items": {
+                "type": "object",
+                "required": ["pointer", "message", "code"],
+                "properties": {
+                    "pointer": {"type": "string", "examples": ["quadrics[3].radius"]},
+                    "message": {"type": "string"},
+                    "code": {"type": "string"},
+                },
+            },
+        },
+        "limit": {"type": "integer", "description": "the limit that was passed"},
+        "asked": {"type": "integer", "description": "what the request asks"},
+    },
+}
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Responses of a route that are problem documents."""
+    return {status: {"description": _DESCRIPTIONS[status], "content": _PROBLEM} for status in statuses}
+
+
+RENDER_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        200: {
+            "description": "The image",
+            "content": {EXR_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+            "headers": {
+                "ETag": {"description": "strong: names these bytes", "schema": {"type": "string"}},
+                "Server-Timing": _TIMING,
+                "Content-Disposition": {"schema": {"type": "string"}},
+            },
+        },
+        304: {"description": "The client has this image already"},
+        **problems(400, 413, 415, 422, 429, 500, 503, 504),
+    },
+    "openapi_extra": {**_BODY, "parameters": [_IF_NONE_MATCH]},
+}
+CANONICAL_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        200: {
+            "description": "The canonical document",
+            "content": {"application/json": {"schema": _SCENE}},
+            "headers": {"Server-Timing": _TIMING},
+        },
+        **problems(400, 413, 415, 422, 429, 500, 503, 504),
+    },
+    "openapi_extra": _BODY,
+}
+DEVICE_DOCS: Final[dict[str, Any]] = {"responses": problems(429, 500, 503)}
+READY_DOCS: Final[dict[str, Any]] = {"responses": problems(503)}
+
+
+def describe(app: FastAPI) -> dict[str, Any]:
+    """The application's OpenAPI document, with the schemas of scenes and problems."""
+    document = get_openapi(
+        title=app.title, version=app.version, description=app.description, routes=app.routes, tags=app.openapi_tags
+    )
+    document.setdefault("components", {}).setdefault("schemas", {}).update(
+        {"Problem": PROBLEM_SCHEMA, **_scene_schemas()}
+    )
+    return document
+
+
+def _scene_schemas() -> dict[str, Any]:
+    """The scene's schema with its definitions beside it, where OpenAPI's references find them."""
+    schema = _moved(json_schema())
+    definitions = schema.pop("$defs", {})
+    return {"Scene": {key: value for key, value in schema.items() if key not in ("$schema", "$id")}} | {
+        f"Scene.{name}": definition for name, definition in definitions.items()
+    }
+
+
+def _moved(schema: Any) -> Any:
+    if isinstance(schema, list):
+        return [_moved(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    return {
+        key: value.replace("#/$defs/", "#/components/schemas/Scene.") if key == "$ref" else _moved(value)
+        for key, value in schema.items()
+    }

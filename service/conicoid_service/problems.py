@@ -1,0 +1,78 @@
+"""Errors as RFC 9457 problem documents, on every route."""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import orjson
+from starlette.responses import Response
+
+from conicoid.errors import ConicoidError, LimitError, SceneError
+from conicoid_service.errors import DEFECT, ReportedError, ServiceError
+
+MEDIA_TYPE: Final = "application/problem+json"
+
+# code: (HTTP status, title). A scene document's own codes, `scene-...`, are SCENE unless they are here.
+STATUS: Final[dict[str, tuple[int, str]]] = {
+    "bad-request": (400, "Bad request"),
+    "not-found": (404, "Not found"),
+    "method-not-allowed": (405, "Method not allowed"),
+    "limit": (413, "Too much work"),
+    "media-type": (415, "Unsupported media type"),
+    "content-encoding": (415, "Unsupported content encoding"),
+    "queue-full": (429, "Too many requests"),
+    "internal": (500, "Internal error"),
+    "render-crashed": (500, "Render process crashed"),
+    "render-unavailable": (503, "Render process unavailable"),
+    "device-missing": (503, "No OpenCL device"),
+    "kernel-build": (503, "Kernels do not build"),
+    "not-ready": (503, "Not ready"),
+    "stopping": (503, "Shutting down"),
+    "render-timeout": (504, "Deadline passed"),
+}
+SCENE: Final = (422, "Invalid scene document")
+
+_CODE_OF_STATUS: Final = {404: "not-found", 405: "method-not-allowed"}
+
+
+def problem(error: ConicoidError, headers: Mapping[str, str] | None = None) -> Response:
+    """The response that tells a client about `error`."""
+    members: dict[str, Any] = {"detail": str(error)}
+    if isinstance(error, SceneError | ReportedError) and error.problems:
+        members["detail"] = _summary(len(error.problems), str(error.problems[0]))
+        members["errors"] = [
+            {"pointer": one.pointer, "message": one.message, "code": one.code} for one in error.problems
+        ]
+    if isinstance(error, LimitError | ReportedError) and error.limit is not None:
+        members |= {"limit": error.limit, "asked": error.asked}
+    if isinstance(error, ServiceError) and error.retry_after_s is not None:
+        headers = {**(headers or {}), "Retry-After": str(error.retry_after_s)}
+    return _response(error.code, members, headers)
+
+
+def http_problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
+    """The response for an error of HTTP itself: no such route, a method that the route does not have."""
+    return _response(_CODE_OF_STATUS.get(status, "bad-request"), {"detail": detail}, headers, status)
+
+
+def internal_problem() -> Response:
+    """The response for a defect; the log has the details, the client gets none."""
+    return _response("internal", {"detail": DEFECT}, None)
+
+
+def _summary(count: int, first: str) -> str:
+    return first if count == 1 else f"{first} (and {count - 1} more)"
+
+
+def _response(
+    code: str, members: dict[str, Any], headers: Mapping[str, str] | None, status: int | None = None
+) -> Response:
+    own_status, title = STATUS.get(code, SCENE)
+    body = {
+        "type": f"urn:conicoid:problem:{code}",
+        "title": title,
+        "status": status or own_status,
+        "code": code,
+        "errors": [],
+        **members,
+    }
+    return Response(orjson.dumps(body), status or own_status, headers, MEDIA_TYPE)

@@ -1,0 +1,77 @@
+"""What the service does for scenes: render, canonical form, device."""
+
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from conicoid_service.blob import Blob
+from conicoid_service.bodies import receive_json
+from conicoid_service.disconnects import while_connected
+from conicoid_service.entity_tags import entity_tag, matches
+from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, RENDER_DOCS
+from conicoid_service.pipeline import Pipeline
+from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
+from conicoid_service.settings import Settings
+
+router = APIRouter(prefix="/v1", tags=["scenes"])
+
+
+@router.post("/render", response_class=Response, **RENDER_DOCS)
+async def render(request: Request) -> Response:
+    """Render a scene document with one camera to an OpenEXR image.
+
+    The strong `ETag` names the image's bytes: a request that has it in `If-None-Match` is answered 304, unrendered.
+    `Server-Timing` gives milliseconds: queue, parse (body to arrays), setup (per quadric), cast (per pixel), encode.
+    """
+    settings, pipeline = _parts(request)
+    body = await receive_json(request, settings.body_limit)
+    return await while_connected(request, _render(pipeline, body, request.headers.get("if-none-match")))
+
+
+async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> Response:
+    read = await pipeline.read(body)
+    with read.scene:
+        tag = entity_tag(read.scene_hash, str(await pipeline.device()))
+        if matches(if_none_match, tag):
+            return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(read.timings)})
+        image, timings = await pipeline.render(read)
+    headers = {
+        "ETag": tag,
+        "Server-Timing": server_timing(read.timings, timings),
+        "Content-Disposition": f'attachment; filename="conicoid-{read.scene_hash[:12]}.exr"',
+    }
+    return BlobResponse(image, headers, EXR_TYPE)
+
+
+@router.post("/canonical", response_class=Response, **CANONICAL_DOCS)
+async def canonical(request: Request) -> Response:
+    """The document's canonical form: everything resolved, every default filled in; it renders to the same bytes."""
+    settings, pipeline = _parts(request)
+    body = await receive_json(request, settings.body_limit)
+    text, timings = await while_connected(request, pipeline.canonical(body))
+    return Response(text, headers={"Server-Timing": server_timing(timings)}, media_type="application/json")
+
+
+@router.get("/device", **DEVICE_DOCS)
+async def device(request: Request) -> dict[str, Any]:
+    """What renders here: OpenCL platform and device, versions, limits, and what each precision means."""
+    settings, pipeline = _parts(request)
+    return {
+        **await pipeline.device(),
+        "precision": {
+            "exact": "evaluated as float64 in this version: not yet exact at every pixel",
+            "float64": "evaluated in binary64 after an accurate set-up",
+            "float32": "evaluated in binary32 after an accurate set-up",
+        },
+        "limits": {
+            "body_bytes": settings.body_limit,
+            "quadrics": settings.quadric_limit,
+            "pixels": settings.pixel_limit,
+            "queue": settings.queue_length,
+            "deadline_s": settings.deadline_s,
+        },
+    }
+
+
+def _parts(request: Request) -> tuple[Settings, Pipeline]:
+    return request.app.state.settings, request.app.state.pipeline

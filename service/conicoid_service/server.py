@@ -1,0 +1,46 @@
+"""Serving the application over HTTP."""
+
+import socket
+
+import uvicorn
+
+from conicoid_service.app import create_app
+from conicoid_service.settings import Settings
+
+# Shorter than the 10 s that container runtimes wait before they kill.
+GRACE_S = 8
+
+
+def serve(
+    host: str = "127.0.0.1",
+    port: int = 8000,
+    *,
+    settings: Settings | None = None,
+    listener: socket.socket | None = None,
+    log_level: str = "info",
+) -> bool:
+    """Serve until SIGINT or SIGTERM; requests under way get `GRACE_S` seconds to finish.
+
+    Args:
+        host: address to bind; port 0 takes a free one, which the log names.
+        port: see `host`.
+        settings: None reads them from the environment.
+        listener: a bound socket in place of host and port.
+        log_level: uvicorn's word.
+    Returns:
+        Whether the service came up at all.
+    Raises:
+        SettingsError: the environment's settings are unusable.
+        SystemExit: the address cannot be bound.
+    """
+    config = uvicorn.Config(
+        create_app(settings),
+        host=host,
+        port=port,
+        log_level=log_level,
+        timeout_graceful_shutdown=GRACE_S,
+        server_header=False,
+    )
+    server = uvicorn.Server(config)
+    server.run(sockets=None if listener is None else [listener])
+    return server.started

@@ -1,0 +1,257 @@
+"""Keeps one child process alive and gives it one request at a time.
+
+A request whose child dies or passes the deadline is tried once more on a fresh child, then fails; the next request
+finds a working child. One thread owns the child for as long as the child lives (see `worker._die_with_parent`).
+"""
+
+import asyncio
+import logging
+import queue
+import threading
+import time
+from collections.abc import Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+
+from conicoid_service.blob import Blob
+from conicoid_service.channel import Message
+from conicoid_service.errors import (
+    QueueFullError,
+    RenderCrashedError,
+    RenderTimeoutError,
+    ReportedError,
+    ServiceError,
+    StoppingError,
+    UnavailableError,
+)
+from conicoid_service.process import DeadlineError, Process, ProcessLostError, Reply
+
+ATTEMPTS = 2
+IDLE_CHECK_S = 1.0
+RESTART_DELAYS_S = (1, 2, 5, 10, 30, 60)
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Answer(Reply):
+    """A reply, and how long its request waited for the child, milliseconds."""
+
+    queue_ms: float
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A request; without a message it only waits until the child has started."""
+
+    message: Message | None
+    blobs: Sequence[Blob] = ()
+    future: "Future[Answer]" = field(default_factory=Future)
+    queued_at: float = field(default_factory=time.perf_counter)
+
+
+class Supervisor:
+    """One child process and the queue in front of it."""
+
+    def __init__(
+        self,
+        name: str,
+        command: Sequence[str],
+        configuration: Message,
+        *,
+        queue_length: int,
+        deadline_s: float,
+        start_deadline_s: float,
+    ) -> None:
+        """Describe the child; `start` runs it.
+
+        Args:
+            name: what the child is called in messages, as in `the render process`.
+            command: program and arguments; the descriptor of the child's socket is appended.
+            configuration: the first message that each child gets, with `after`, the way its predecessor ended.
+            queue_length: how many requests may wait, besides the one in the child.
+            deadline_s: time for one request, each time that it is tried.
+            start_deadline_s: time until a child is ready.
+        """
+        self.name = name
+        self._command = tuple(command)
+        self._configuration = configuration
+        self._queue_length = queue_length
+        self._deadline_s, self._start_deadline_s = deadline_s, start_deadline_s
+        self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
+        self._places = threading.Semaphore(queue_length + 1)
+        self._thread = threading.Thread(target=self._run, name=f"{name}-supervisor", daemon=True)
+        self._stopping = threading.Event()
+        self._process: Process | None = None
+        self._after: str | None = None
+        self._failure: ServiceError | None = None
+        self._failed_starts = 0
+        self._next_start = 0.0
+        self._hello: Message | None = None
+
+    def start(self) -> None:
+        """Start the child in the background; requests may be made at once and wait for it."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the child and fail what still waits; returns when both are done."""
+        self._stopping.set()
+        self._tasks.put(None)
+        if process := self._process:
+            process.interrupt()
+        self._thread.join()
+
+    @property
+    def ready(self) -> bool:
+        """Whether the child is alive and has finished its start."""
+        process = self._process
+        return process is not None and process.hello is not None and process.alive()
+
+    @property
+    def failure(self) -> ServiceError | None:
+        """Why the last start failed, if it did."""
+        return self._failure
+
+    async def hello(self) -> Message:
+        """What the child says about itself, once it has started.
+
+        Raises:
+            ServiceError: it cannot be started.
+        """
+        if self._hello is None:
+            self._hello = (await self._enqueue(_Task(None))).message
+        return self._hello
+
+    async def call(self, message: Message, blobs: Sequence[Blob] = ()) -> Answer:
+        """Have the child answer a request; if the caller is cancelled, a request that still waits is dropped.
+
+        The blobs are taken over: they are closed when the request is done, however it ends.
+
+        Raises:
+            QueueFullError: too many requests wait.
+            ReportedError: the child refuses the request, or cannot work at all, and says why.
+            RenderCrashedError, RenderTimeoutError: the request cost two children their lives.
+            UnavailableError: no child can be started.
+            StoppingError: the service is shutting down.
+        """
+        return await self._enqueue(_Task(message, blobs))
+
+    async def _enqueue(self, task: _Task) -> Answer:
+        task.future.add_done_callback(lambda _: _close(task.blobs))
+        try:
+            if self._stopping.is_set():
+                raise _stopping()
+            if not self._places.acquire(blocking=False):
+                raise QueueFullError(
+                    f"{self._queue_length} requests wait for the {self.name} process already; try again in a moment"
+                )
+        except ServiceError:
+            task.future.cancel()
+            raise
+        task.future.add_done_callback(lambda _: self._places.release())
+        self._tasks.put(task)
+        try:
+            return await asyncio.wrap_future(task.future)
+        except asyncio.CancelledError:
+            task.future.add_done_callback(_discard)
+            raise
+
+    def _run(self) -> None:
+        while not self._stopping.is_set():
+            self._keep_process()
+            try:
+                task = self._tasks.get(timeout=IDLE_CHECK_S)
+            except queue.Empty:
+                continue
+            if task is not None and task.future.set_running_or_notify_cancel():
+                self._answer(task)
+        if self._process:
+            self._process.end()
+        while not self._tasks.empty():
+            if (task := self._tasks.get()) and task.future.set_running_or_notify_cancel():
+                task.future.set_exception(_stopping())
+
+    def _answer(self, task: _Task) -> None:
+        waited_ms = (time.perf_counter() - task.queued_at) * 1e3
+        try:
+            reply = self._attempt(task)
+        except ServiceError as error:
+            task.future.set_exception(error)
+        except Exception as error:  # a defect here must not end the thread that the service depends on
+            logger.exception("the %s supervisor failed", self.name)
+            task.future.set_exception(error)
+        else:
+            task.future.set_result(Answer(reply.message, reply.blobs, waited_ms))
+
+    def _attempt(self, task: _Task) -> Reply:
+        for attempt in range(1, ATTEMPTS + 1):
+            process = self._keep_process()
+            if process is None:
+                raise self._failure or _stopping()
+            if task.message is None:
+                return Reply(process.hello or {}, [])
+            try:
+                return process.exchange(task.message, task.blobs, self._deadline_s)
+            except ProcessLostError as error:
+                lost = error
+                if self._stopping.is_set():
+                    raise _stopping() from None
+                logger.warning("the %s process ended (%s) in attempt %d of a request", self.name, lost, attempt)
+        if isinstance(lost, DeadlineError):
+            raise RenderTimeoutError(
+                f"the request passed the {lost} in the {self.name} process, {ATTEMPTS} times; "
+                "ask for less work or raise the deadline in the settings"
+            )
+        raise RenderCrashedError(
+            f"the {self.name} process ended ({lost}) with this request in it, {ATTEMPTS} times; "
+            "other requests are not affected; report the scene as a defect"
+        )
+
+    def _keep_process(self) -> Process | None:
+        """The living child, started if need be; None, with `_failure` set, while it cannot be started."""
+        if self._process and self._process.alive():
+            return self._process
+        if self._process:
+            self._after = self._process.end()
+            self._process = None
+        if time.monotonic() < self._next_start or self._stopping.is_set():
+            return None
+        try:
+            self._process = Process(self._command)
+            if not self._stopping.is_set():  # `stop` interrupts a process that it can see
+                self._process.greet(self._configuration | {"after": self._after}, self._start_deadline_s)
+        except (ReportedError, ProcessLostError, OSError) as error:
+            self._failed_to_start(error)
+            return None
+        self._failure, self._failed_starts = None, 0
+        return self._process
+
+    def _failed_to_start(self, error: Exception) -> None:
+        delay_s = RESTART_DELAYS_S[min(self._failed_starts, len(RESTART_DELAYS_S) - 1)]
+        self._failed_starts += 1
+        self._next_start = time.monotonic() + delay_s
+        if self._process:
+            self._after = self._process.end()
+            self._process = None
+        if isinstance(error, ReportedError):
+            self._failure = error
+        else:
+            self._failure = UnavailableError(
+                f"the {self.name} process cannot be started ({error}); the server's log may say why; try again later"
+            )
+        logger.error("the %s process did not start, next try in %d s: %s", self.name, delay_s, error)
+
+
+def _stopping() -> StoppingError:
+    return StoppingError("the service is shutting down; try again later or elsewhere")
+
+
+def _close(blobs: Sequence[Blob]) -> None:
+    for blob in blobs:
+        blob.close()
+
+
+def _discard(future: "Future[Answer]") -> None:
+    """Close the results that nobody waits for any more."""
+    if not future.cancelled() and future.exception() is None:
+        _close(future.result().blobs)

@@ -1,0 +1,284 @@
+"""A child may die in any way, at any time: its request gets a clear error after one retry, the next one works."""
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from conicoid_service.blob import Blob
+from conicoid_service.errors import (
+    QueueFullError,
+    RenderCrashedError,
+    RenderTimeoutError,
+    ReportedError,
+    StoppingError,
+    UnavailableError,
+)
+from conicoid_service.supervisor import Supervisor
+
+pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("nothing_left")]
+
+FAULTY = (sys.executable, str(Path(__file__).with_name("faulty_worker.py")))
+
+Running = AbstractAsyncContextManager[Supervisor]
+
+
+@asynccontextmanager
+async def supervisor(
+    configuration: dict[str, Any] | None = None,
+    *,
+    command: tuple[str, ...] = FAULTY,
+    queue_length: int = 8,
+    deadline_s: float = 60,
+    start_deadline_s: float = 60,
+) -> AsyncIterator[Supervisor]:
+    running = Supervisor(
+        "render",
+        command,
+        configuration or {},
+        queue_length=queue_length,
+        deadline_s=deadline_s,
+        start_deadline_s=start_deadline_s,
+    )
+    running.start()
+    try:
+        yield running
+    finally:
+        await asyncio.to_thread(running.stop)
+
+
+async def echo(running: Supervisor) -> int:
+    """The pid that answered."""
+    return int((await running.call({"do": "echo"})).message["pid"])
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    """Wait for what must come; a test that hangs here has failed."""
+    async with asyncio.timeout(30):
+        while not condition():
+            await asyncio.sleep(0.01)
+
+
+async def test_request_and_reply_carry_blobs_of_any_size() -> None:
+    data = os.urandom(3_000_001)
+    async with supervisor() as running:
+        answer = await running.call({"do": "echo"}, [Blob.of(b""), Blob.of(data)])
+        assert [blob.read() for blob in answer.blobs] == [b"", data]
+        for blob in answer.blobs:
+            blob.close()
+
+
+async def test_requests_made_before_the_child_is_ready_wait_for_it() -> None:
+    async with supervisor() as running:
+        assert not running.ready
+        await echo(running)
+        assert running.ready
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [("abort", "SIGABRT"), ("segfault", "SIGSEGV"), ("kill", "SIGKILL"), ("exit", "exit status 3")],
+)
+async def test_a_request_that_kills_every_child_fails_alone_and_says_how(fault: str, cause: str) -> None:
+    async with supervisor() as running:
+        first = await echo(running)
+        with pytest.raises(RenderCrashedError, match=cause):
+            await running.call({"do": fault}, [Blob.of(b"poison")])
+        assert await echo(running) != first
+
+
+@pytest.mark.parametrize("fault", ["abort once", "segfault once", "kill once", "exit once"])
+async def test_a_request_whose_child_dies_once_succeeds_on_a_fresh_one(fault: str, tmp_path: Path) -> None:
+    async with supervisor() as running:
+        first = await echo(running)
+        answer = await running.call({"do": fault, "mark": str(tmp_path / "mark")}, [Blob.of(b"data")])
+        assert answer.message["pid"] != first
+        assert answer.blobs[0].read() == b"data"
+        answer.blobs[0].close()
+
+
+async def test_a_request_that_hangs_is_ended_by_the_deadline_twice() -> None:
+    async with supervisor(deadline_s=0.3) as running:
+        first = await echo(running)
+        with pytest.raises(RenderTimeoutError, match=r"deadline of 0\.3 s"):
+            await running.call({"do": "hang"})
+        assert await echo(running) != first
+
+
+async def test_a_request_that_hangs_once_succeeds_on_a_fresh_child(tmp_path: Path) -> None:
+    async with supervisor(deadline_s=1) as running:
+        first = await echo(running)
+        answer = await running.call({"do": "hang once", "mark": str(tmp_path / "mark")})
+        assert answer.message["pid"] != first
+
+
+async def test_a_child_killed_while_idle_costs_no_request() -> None:
+    async with supervisor() as running:
+        first = await echo(running)
+        os.kill(first, signal.SIGKILL)
+        assert await echo(running) != first
+
+
+async def test_a_child_killed_while_idle_is_replaced_before_anyone_asks() -> None:
+    async with supervisor() as running:
+        os.kill(await echo(running), signal.SIGKILL)
+        await until(lambda: not running.ready)
+        await until(lambda: running.ready)
+
+
+async def test_a_child_that_refuses_to_start_gives_its_reason_to_every_request() -> None:
+    async with supervisor({"start": "refuse"}) as running:
+        for _ in range(2):
+            with pytest.raises(ReportedError, match="install one") as refused:
+                await running.call({"do": "echo"})
+            assert refused.value.code == "device-missing"
+        assert not running.ready
+        assert running.failure is refused.value
+
+
+@pytest.mark.parametrize("command", [(*FAULTY[:1], "-c", "raise SystemExit(7)"), ("/no/such/program",)])
+async def test_a_child_that_cannot_start_makes_the_service_unavailable_not_stuck(command: tuple[str, ...]) -> None:
+    async with supervisor(command=command) as running:
+        with pytest.raises(UnavailableError):
+            await running.call({"do": "echo"}, [Blob.of(b"data")])
+
+
+async def test_a_child_that_hangs_at_its_start_is_ended_by_the_start_deadline() -> None:
+    async with supervisor({"start": "hang"}, start_deadline_s=0.3) as running:
+        with pytest.raises(UnavailableError, match=r"deadline of 0\.3 s"):
+            await running.call({"do": "echo"})
+
+
+async def test_a_child_that_crashes_at_its_first_start_is_started_again_and_told_so(tmp_path: Path) -> None:
+    async with supervisor({"start": "crash once", "mark": str(tmp_path / "mark")}) as running:
+        await until(lambda: running.ready)
+        assert (await running.hello())["after"] == "SIGABRT"
+
+
+async def test_errors_that_the_child_reports_leave_it_alive() -> None:
+    async with supervisor() as running:
+        first = await echo(running)
+        with pytest.raises(ReportedError) as scene:
+            await running.call({"do": "scene"})
+        with pytest.raises(ReportedError) as limit:
+            await running.call({"do": "limit"})
+        with pytest.raises(ReportedError) as defect:
+            await running.call({"do": "defect"})
+        assert await echo(running) == first
+    assert [problem.pointer for problem in scene.value.problems] == ["quadrics[3].radius"]
+    assert (limit.value.code, limit.value.limit, limit.value.asked) == ("limit", 10, 11)
+    assert defect.value.code == "internal"
+    assert "secret" not in str(defect.value)
+
+
+async def test_the_queue_holds_as_many_as_it_says_and_frees_places() -> None:
+    async with supervisor(queue_length=2) as running:
+        await echo(running)
+        waiting = [asyncio.create_task(running.call({"do": "sleep", "seconds": 0.2})) for _ in range(3)]
+        await asyncio.sleep(0)
+        with pytest.raises(QueueFullError):
+            await running.call({"do": "echo"}, [Blob.of(b"refused")])
+        await asyncio.gather(*waiting)
+        await echo(running)
+
+
+async def test_a_caller_that_gives_up_frees_its_place_and_its_results() -> None:
+    async with supervisor(queue_length=1) as running:
+        await echo(running)
+        in_child = asyncio.create_task(running.call({"do": "sleep", "seconds": 0.3}, [Blob.of(b"late result")]))
+        queued = asyncio.create_task(running.call({"do": "abort"}, [Blob.of(b"never sent")]))
+        await asyncio.sleep(0.1)
+        queued.cancel()
+        in_child.cancel()
+        await asyncio.wait([queued, in_child])
+        first = await echo(running)
+        assert first == await echo(running)
+
+
+async def test_time_in_the_queue_is_counted() -> None:
+    async with supervisor() as running:
+        await echo(running)
+        sleeping = asyncio.create_task(running.call({"do": "sleep", "seconds": 0.3}))
+        await asyncio.sleep(0)
+        assert (await running.call({"do": "echo"})).queue_ms >= 300
+        assert (await sleeping).queue_ms < 300
+
+
+async def test_stopping_fails_what_runs_and_what_waits() -> None:
+    async with supervisor() as running:
+        await echo(running)
+        calls = [asyncio.create_task(running.call({"do": "hang"}, [Blob.of(b"data")])) for _ in range(3)]
+        await asyncio.sleep(0.1)
+    for call in calls:
+        with pytest.raises(StoppingError):
+            await call
+    with pytest.raises(StoppingError):
+        await running.call({"do": "echo"})
+
+
+async def test_stopping_does_not_wait_for_a_child_that_is_still_starting() -> None:
+    async with supervisor({"start": "hang"}):
+        await asyncio.sleep(0.1)
+
+
+@pytest.mark.parametrize("do", ["echo", "hang"])
+async def test_a_parent_that_is_killed_takes_its_child_along(do: str) -> None:
+    program = f"""
+        import asyncio
+        from conicoid_service.supervisor import Supervisor
+
+        async def main():
+            running = Supervisor("render", {FAULTY!r}, {{}}, queue_length=1, deadline_s=60, start_deadline_s=60)
+            running.start()
+            print((await running.hello())["pid"], flush=True)
+            await running.call({{"do": {do!r}}})
+            await asyncio.sleep(3600)
+
+        asyncio.run(main())
+    """
+    with subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE) as parent:
+        assert parent.stdout
+        child = int(parent.stdout.readline())
+        time.sleep(0.1)
+        parent.kill()
+    await until(lambda: not running_process(child))
+
+
+def running_process(pid: int) -> bool:
+    """Whether the process exists and is not a zombie that waits for its new parent."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+async def test_a_childs_standard_output_does_not_reach_the_parents() -> None:
+    script = "import sys; print('noise', flush=True); raise SystemExit(1)"
+    program = f"""
+        import asyncio
+        from conicoid_service.supervisor import Supervisor
+
+        async def main():
+            running = Supervisor("x", {(sys.executable, "-c", script)!r}, {{}}, queue_length=1, deadline_s=9, start_deadline_s=9)
+            running.start()
+            try:
+                await running.hello()
+            except Exception as error:
+                print(type(error).__name__)
+            await asyncio.to_thread(running.stop)
+
+        asyncio.run(main())
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, check=True)
+    assert done.stdout == "UnavailableError\n"
+    assert "noise" in done.stderr
