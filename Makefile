@@ -17,7 +17,8 @@ $(SETUP): pyproject.toml requirements/dev.txt
 	touch $@
 
 demo: $(SETUP)
-	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png
+	mkdir -p out
+	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
 	.venv/bin/pytest --ignore=tests/container

@@ -2,7 +2,6 @@
 
 import argparse
 import socket
-import sys
 
 from conicoid_client.command.connect import settings
 from conicoid_client.command.report import Failure
@@ -11,15 +10,10 @@ from conicoid_client.command.report import Failure
 def run(options: argparse.Namespace) -> None:
     """Listen, then answer until SIGINT or SIGTERM."""
     listener = _listen(options.host, options.port)
-    import uvicorn
-    from conicoid_service.app import create_app
+    from conicoid_service.server import serve
 
-    # Shorter than the grace of a container runtime (10 s), so that a stop is orderly.
-    config = uvicorn.Config(create_app(settings()), timeout_graceful_shutdown=8, server_header=False)
-    service = uvicorn.Server(config)
-    service.run(sockets=[listener])
-    if not service.started:
-        sys.exit(1)
+    if not serve(settings=settings(), listener=listener):
+        raise Failure("the service did not start; its log above says why")
 
 
 def _listen(host: str, port: int) -> socket.socket:
