@@ -1,0 +1,115 @@
+// Unnormalised normals of winners, in target space (world or camera).
+
+typedef struct {
+    reals x, y, z;
+} vector3;
+
+typedef struct {
+    linear n[3];
+    real g[3];
+} simple_normal;
+
+static inline simple_normal move_simple_normal(__global const simple_record *r, double du, double dv)
+{
+    simple_normal m;
+    for (int j = 0; j < 3; j++) {
+        m.n[j] = move_linear(r->n[j], du, dv);
+        m.g[j] = (real)r->g[j];
+    }
+    return m;
+}
+
+static inline vector3 simple_normal_at(const simple_normal *m, reals root, reals x, real y)
+{
+    return (vector3){at_linear(m->n[0], x, y) + m->g[0] * root, at_linear(m->n[1], x, y) + m->g[1] * root,
+                     at_linear(m->n[2], x, y) + m->g[2] * root};
+}
+
+typedef struct {
+    linear x[3], y[3], moment[3];
+    real form[10], map[3][3];
+} general_normal;
+
+static inline general_normal move_general_normal(__global const general_record *r, double du, double dv)
+{
+    general_normal m;
+    for (int j = 0; j < 3; j++) {
+        m.x[j] = move_linear(r->x[j], du, dv);
+        m.y[j] = move_linear(r->y[j], du, dv);
+        m.moment[j] = move_linear(r->moment[j], du, dv);
+        for (int k = 0; k < 3; k++)
+            m.map[j][k] = (real)r->normal[j][k];
+    }
+    for (int k = 0; k < 10; k++)
+        m.form[k] = (real)r->form[k];
+    return m;
+}
+
+// The gradient at t = q/a is along D(aX - bY - sign(b) sqrt(S) Y), at t = c/q along D(cY - bX - sign(b) sqrt(S) X),
+// with aX - bY = sum_k (DY)_k L_ik and cY - bX = -sum_k (DX)_k L_ik: nothing cancels far from the origin.
+static inline vector3 general_normal_at(const general_tile *g, const general_normal *m, mask kind, int outward,
+                                        reals px, real py)
+{
+    reals X[3], Y[3];
+    for (int j = 0; j < 3; j++) {
+        X[j] = at_linear(m->x[j], px, py);
+        Y[j] = at_linear(m->y[j], px, py);
+    }
+    reals l12 = at_linear(m->moment[0], px, py), l13 = at_linear(m->moment[1], px, py),
+          l23 = at_linear(m->moment[2], px, py);
+    const real *d = m->form;
+    reals s = at_quadratic(g->s, px, py);
+    reals root = s > 0 ? sqrt(s) : (reals)(0);
+    reals a = at_quadratic(g->a, px, py), b = at_linear(g->b, px, py);
+    mask is_a = kind == ROOT_A;
+    // P is Y for roots of kind A, X for kind C; P4 likewise.
+    reals p1 = is_a ? Y[0] : X[0], p2 = is_a ? Y[1] : X[1], p3 = is_a ? Y[2] : X[2];
+    reals p4 = is_a ? (reals)(0) : (reals)(1);
+    reals e1 = d[0] * p1 + d[1] * p2 + d[2] * p3 + d[3] * p4;
+    reals e2 = d[1] * p1 + d[4] * p2 + d[5] * p3 + d[6] * p4;
+    reals e3 = d[2] * p1 + d[5] * p2 + d[7] * p3 + d[8] * p4;
+    reals e4 = d[3] * p1 + d[6] * p2 + d[8] * p3 + d[9] * p4;
+    reals v1 = e2 * l12 + e3 * l13 - e4 * Y[0];
+    reals v2 = e3 * l23 - e1 * l12 - e4 * Y[1];
+    reals v3 = -e1 * l13 - e2 * l23 - e4 * Y[2];
+    reals v4 = e1 * Y[0] + e2 * Y[1] + e3 * Y[2];
+    reals sign = is_a ? (reals)(1) : (reals)(-1);
+    reals signed_root = b < 0 ? -root : root;
+    v1 = sign * v1 - signed_root * p1;
+    v2 = sign * v2 - signed_root * p2;
+    v3 = sign * v3 - signed_root * p3;
+    v4 = sign * v4 - signed_root * p4;
+    // Keeps the squares below within binary32's range.
+    reals size = fmax(fmax(fabs(v1), fabs(v2)), fmax(fabs(v3), fabs(v4)));
+    size = size > 0 ? size : (reals)(1);
+    v1 /= size;
+    v2 /= size;
+    v3 /= size;
+    v4 /= size;
+    reals g1 = d[0] * v1 + d[1] * v2 + d[2] * v3 + d[3] * v4;
+    reals g2 = d[1] * v1 + d[4] * v2 + d[5] * v3 + d[6] * v4;
+    reals g3 = d[2] * v1 + d[5] * v2 + d[7] * v3 + d[8] * v4;
+    // Outward: divided by a (kind A) or by q = -b - sign(b) sqrt(S) (kind C), of which only the sign matters.
+    reals divisor = is_a ? a : (b < 0 ? root - b : -(root + b));
+    // b + at = -sign(b) sqrt(S) at kind A, + at kind C; facing wants it negative.
+    mask away = is_a ? (b < 0) : (b >= 0);
+    mask flip = (divisor < 0) ^ (outward ? (mask)(0) : (away & (root > 0)));
+    mask low = kind == CAP_LOW, cap = low | (kind == CAP_HIGH);
+    g1 = cap ? (reals)(0) : g1;
+    g2 = cap ? (reals)(0) : g2;
+    g3 = cap ? (reals)(1) : g3;
+    mask cap_flip = outward ? low : (Y[2] > 0);
+    flip = cap ? cap_flip : flip;
+    reals turn = flip ? (reals)(-1) : (reals)(1);
+    if (g->flags & SINGULAR) {
+        mask vanishes = ~cap;
+        g1 = vanishes ? (reals)(0) : g1;
+        g2 = vanishes ? (reals)(0) : g2;
+        g3 = vanishes ? (reals)(0) : g3;
+    }
+    vector3 n;
+    n.x = turn * (m->map[0][0] * g1 + m->map[0][1] * g2 + m->map[0][2] * g3);
+    n.y = turn * (m->map[1][0] * g1 + m->map[1][1] * g2 + m->map[1][2] * g3);
+    n.z = turn * (m->map[2][0] * g1 + m->map[2][1] * g2 + m->map[2][2] * g3);
+    return n;
+}

@@ -1,0 +1,50 @@
+// What set-up hands to casting, one record per visible quadric. All polynomials are in pixels (u, v) about the
+// record's integer `centre`: quadratic ones have the coefficients uu, uv, vv, u, v, 1; linear ones u, v, 1.
+//
+// Notation: X + tY is the ray in parameter space, four coordinates, X4 = 1, Y4 = 0; D the quadric's form there.
+// a = Y'DY, b = X'DY, c = X'DX, S = b^2 - ac. F is the one of X, Y that is the same at every pixel (X for a
+// pinhole, Y for orthographic rays), V the other.
+
+#define QUADRATIC 6
+#define LINEAR 3
+
+// A closed surface wholly in front of the camera, kept whole: its nearest hit is one formula,
+//     key = b + sqrt(S),  key = 1/t (pinhole), -t (orthographic),
+// with b and S divided by F'DF and (F'DF)^2; the outward normal there is along n + sqrt(S) g.
+typedef struct {
+    double s[QUADRATIC];
+    double b[LINEAR];
+    double n[3][LINEAR];
+    double g[3];
+    int centre[2];
+} simple_record;
+
+// Any quadric with any extent.
+typedef struct {
+    double s[QUADRATIC];
+    double a[QUADRATIC];
+    double b[LINEAR];
+    double c[QUADRATIC];
+    double x[3][LINEAR];
+    double y[3][LINEAR];
+    double moment[3][LINEAR];   // L12, L13, L23 with Lij = Xi Yj - Xj Yi
+    double range[2][LINEAR];    // X3 - z0/c, X3 - z1/c
+    double cap[2][QUADRATIC];   // f at the point where the ray meets z = z0, z1, times Y3^2
+    double form[10];            // D11 D12 D13 D14 D22 D23 D24 D33 D34 D44
+    double normal[3][3];        // target normal = normal x parameter-space gradient
+    int centre[2];
+    int flags;
+    int clip_start;
+    int clip_count;
+} general_record;
+
+#define HAS_RANGE 1
+#define HAS_CAPS 2
+#define ALWAYS_REAL 4   // plane pairs: S is a square, so rounding below zero is no miss
+#define SINGULAR 8      // the gradient vanishes at every real point: double planes, lines, points
+
+// A half-space as seen along the rays: (n.X + d) + t (n.Y) >= 0, linear in absolute pixels.
+typedef struct {
+    double offset[LINEAR];
+    double slope[LINEAR];
+} clip_record;

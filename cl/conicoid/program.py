@@ -1,0 +1,37 @@
+"""Building kernels: sources from the package, errors that name the real file and line."""
+
+import importlib.resources
+import re
+import warnings
+from collections.abc import Mapping, Sequence
+
+import pyopencl
+
+from conicoid.errors import KernelError
+
+
+def build(
+    context: "pyopencl.Context", files: Sequence[str], defines: Mapping[str, int] | None = None
+) -> "pyopencl.Program":
+    """Compile kernel files, in order, as one program.
+
+    Args:
+        context: holds one device.
+        files: names in `conicoid/kernels`; later ones see what earlier ones define.
+        defines: values of the few `-D` names that the files ask for.
+    Raises:
+        KernelError: with the compiler's log, lines counted in the named files.
+    """
+    folder = importlib.resources.files("conicoid") / "kernels"
+    # Neither contraction nor anything of -cl-fast-relaxed-math: double-double needs every operation as written.
+    parts = ["#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n#pragma OPENCL FP_CONTRACT OFF\n"]
+    parts += [f'#line 1 "{name}"\n{(folder / name).read_text(encoding="utf-8")}\n' for name in files]
+    options = [f"-D{name}={value}" for name, value in (defines or {}).items()]
+    try:
+        with warnings.catch_warnings():
+            # PoCL writes remarks to the build log of programs that build.
+            warnings.simplefilter("ignore", pyopencl.CompilerWarning)
+            return pyopencl.Program(context, "".join(parts)).build(options, cache_dir=False)
+    except pyopencl.RuntimeError as error:
+        log = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+        raise KernelError(f"{', '.join(files)} did not build with {' '.join(options) or 'no options'}:\n{log}") from None

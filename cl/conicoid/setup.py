@@ -1,0 +1,133 @@
+"""Per quadric: bounds, culling, depth order, and the records that casting reads."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pyopencl
+from numpy.typing import NDArray
+
+from conicoid.extent import extent_of
+from conicoid.memory import Queue
+from conicoid.program import build
+from conicoid.scene import Camera, Floats, Quadrics
+from conicoid.shapes import SHAPES
+from conicoid.view import View
+
+_CULLED: Final = 0
+_SIMPLE: Final = 1
+# sizeof(simple_record), sizeof(general_record), sizeof(clip_record): 8-byte members, checked by a test.
+SIMPLE_BYTES: Final = 8 * (6 + 3 + 9 + 3) + 8
+GENERAL_BYTES: Final = 8 * (3 * 6 + 3 + 27 + 6 + 12 + 10 + 9) + 24
+CLIP_BYTES: Final = 8 * 6
+
+
+def _shape_forms() -> Floats:
+    """(14, 10) upper triangles of every shape's form in parameter space, rows as `shapes.SHAPES`."""
+    forms = np.zeros((len(SHAPES), 10))
+    for shape in SHAPES:
+        forms[shape.code, [0, 4, 7]] = shape.squares
+        forms[shape.code, 8] = shape.linear_z / 2
+        forms[shape.code, 9] = shape.constant
+    return forms
+
+
+@dataclass(frozen=True)
+class Visible:
+    """The quadrics a frame can see, in depth order ("slots"), and their records on the device.
+
+    Attributes:
+        quadric: (m,) int32, index in the document of each slot.
+        box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
+        nearest: (m,) float64, lower bounds of the depth, world units, ascending.
+        record: (m,) int32, row of `simple`, or ~row of `general`.
+        simple, general, clips: device arrays of the records in `kernels/records.h`.
+        unit: power of two near the scene's depth; records hold t / unit.
+    """
+
+    quadric: NDArray[np.int32]
+    box: NDArray[np.int32]
+    nearest: Floats
+    record: NDArray[np.int32]
+    simple: "pyopencl.Buffer"
+    general: "pyopencl.Buffer"
+    clips: "pyopencl.Buffer"
+    unit: float
+
+
+class Setup:
+    """The set-up kernels of one device."""
+
+    def __init__(self, queue: Queue) -> None:
+        self._queue = queue
+        self._bound = build(queue.context, ["bounds.cl"]).bound_quadrics
+        program = build(queue.context, ["dd.h", "records.h", "setup.cl"])
+        self._simple, self._general, self._clips = (
+            program.set_up_simple, program.set_up_general, program.set_up_clips
+        )  # fmt: skip
+        self._forms = queue.read_only(_shape_forms())
+
+    def run(self, quadrics: Quadrics, camera: Camera, view: View, *, want_back: bool) -> Visible:
+        """Bounds every quadric, drops what cannot be seen, and sets up the rest.
+
+        Args:
+            quadrics: the scene.
+            camera, view: the frame.
+            want_back: the farthest hit is asked too, which simple records do not have.
+        """
+        queue = self._queue
+        world = queue.read_only(quadrics.world_from_object)
+        rays = queue.read_only(view.rays)
+        box, middle, nearest, path, flags = self._bounds(quadrics, camera, view, world, want_back)
+
+        seen = np.flatnonzero(path != _CULLED).astype(np.int32)
+        seen = seen[np.argsort(nearest[seen], kind="stable")]
+        is_simple = path[seen] == _SIMPLE
+        record = np.empty(len(seen), dtype=np.int32)
+        record[is_simple] = np.arange(np.count_nonzero(is_simple), dtype=np.int32)
+        record[~is_simple] = ~np.arange(np.count_nonzero(~is_simple), dtype=np.int32)
+        depths = nearest[seen][nearest[seen] > 0]
+        unit = 2.0 ** float(np.clip(np.frexp(np.median(depths))[1], -900, 900)) if len(depths) else 1.0
+
+        radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
+        target = queue.read_only(view.target)
+        simple = queue.empty(SIMPLE_BYTES * np.count_nonzero(is_simple))
+        general = queue.empty(GENERAL_BYTES * np.count_nonzero(~is_simple))
+        clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
+        orthographic = np.int32(view.orthographic)
+        if is_simple.any():
+            rows = seen[is_simple]
+            queue.run(self._simple, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
+                      centres, rays, np.float64(unit), orthographic, target, simple)  # fmt: skip
+        if not is_simple.all():
+            rows = seen[~is_simple]
+            queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
+                      queue.read_only(quadrics.shape), self._forms, queue.read_only(quadrics.matrix_row),
+                      queue.read_only(quadrics.matrix), queue.read_only(quadrics.z_range),
+                      queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
+                      queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic, target,
+                      general)  # fmt: skip
+        if len(quadrics.clip):
+            queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
+                      queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip
+        return Visible(seen, box[seen], nearest[seen], record, simple, general, clips, unit)
+
+    def _bounds(
+        self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.uint8], NDArray[Any]]:
+        queue, count = self._queue, len(quadrics)
+        extent = extent_of(quadrics)
+        box = np.empty((count, 4), dtype=np.int32)
+        middle = np.empty((count, 2), dtype=np.int32)
+        nearest = np.empty(count)
+        path = np.empty(count, dtype=np.uint8)
+        if count:
+            queue.run(self._bound, count, np.int32(count), world, queue.read_only(extent.centre),
+                      queue.read_only(extent.half), queue.read_only(extent.kind),
+                      queue.read_only(extent.whole.view(np.uint8)), queue.read_only(view.image_rows),
+                      queue.read_only(view.origin), view.principal, np.int32(view.orthographic),
+                      np.array(camera.crop, dtype=np.int32), np.array([camera.width, camera.height], dtype=np.int32),
+                      np.float64(camera.near), np.float64(camera.far), np.int32(want_back),
+                      queue.in_place(box), queue.in_place(middle), queue.in_place(nearest),
+                      queue.in_place(path))  # fmt: skip
+        return box, middle, nearest, path, extent.flags

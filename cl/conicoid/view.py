@@ -1,0 +1,91 @@
+"""A camera as the kernels see it: rays in world space, affine in the pixel, in double-double.
+
+The ray of pixel coordinates (u, v) is point(u, v) + t direction(u, v), each p0 + u pu + v pv. Everything here is
+computed in exact rationals from the camera's binary64 numbers and rounded once to double-double.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from conicoid.scene import Camera, Floats, Output
+
+
+@dataclass(frozen=True)
+class View:
+    """Constants of one frame.
+
+    Attributes:
+        orthographic: rays are parallel; else they meet in one point.
+        rays: (6, 3, 2) float64 double-doubles (hi, lo): point 1, u, v, then direction 1, u, v; world axes.
+        image_rows: (3, 3) float64, rows of camera_from_world's linear part scaled to pixels: u, v (v down,
+            both relative to the principal point, times depth for a pinhole) and depth.
+        origin: (3,) float64, the camera's place in the world.
+        principal: (2,) float64, cx, cy.
+        target: (3, 3) float64: a normal in target space is target^T times the world gradient.
+        back: (3, 3) float64: unnormalised direction in target space, columns u, v, 1.
+    """
+
+    orthographic: bool
+    rays: Floats
+    image_rows: Floats
+    origin: Floats
+    principal: Floats
+    target: Floats
+    back: Floats
+
+
+def view_of(camera: Camera, output: Output) -> View:
+    """The frame's constants; `output.normal_space` chooses the target frame of normals."""
+    world_from_camera = [[Fraction(float(value)) for value in row] for row in camera.world_from_camera[:3]]
+    right, up, back = ([row[k] for row in world_from_camera] for k in range(3))
+    origin = [row[3] for row in world_from_camera]
+    fx, fy, cx, cy = (Fraction(value) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
+
+    across = [x / fx for x in right]
+    down = [-y / fy for y in up]
+    corner = [-x * cx - y * cy for x, y in zip(across, down, strict=True)]
+    forward = [-z for z in back]
+    zero = [Fraction(0)] * 3
+    if camera.projection == "orthographic":
+        point = ([o + x for o, x in zip(origin, corner, strict=True)], across, down)
+        direction = (forward, zero, zero)
+    else:
+        point = (origin, zero, zero)
+        direction = ([x + z for x, z in zip(corner, forward, strict=True)], across, down)
+    rays = np.array([[_double_double(x) for x in vector] for vector in point + direction])
+
+    rotation = np.array([[float(x) for x in row[:3]] for row in world_from_camera])
+    camera_from_world = _inverse([row[:3] for row in world_from_camera])
+    rows = ([x * fx for x in camera_from_world[0]], [-x * fy for x in camera_from_world[1]],
+            [-x for x in camera_from_world[2]])  # fmt: skip
+    world_back = -np.array([[float(x) for x in vector] for vector in direction]).T[:, [1, 2, 0]]
+    in_camera = output.normal_space == "camera"
+    camera_direction = np.array([[1 / camera.fx, 0, -camera.cx / camera.fx],
+                                 [0, -1 / camera.fy, camera.cy / camera.fy], [0, 0, -1]])  # fmt: skip
+    if camera.projection == "orthographic":
+        camera_direction[:2] = 0
+    return View(
+        orthographic=camera.projection == "orthographic",
+        rays=rays,
+        image_rows=np.array([[float(x) for x in row] for row in rows]),
+        origin=np.array([float(x) for x in origin]),
+        principal=np.array([camera.cx, camera.cy]),
+        target=rotation if in_camera else np.eye(3),
+        back=-camera_direction if in_camera else world_back,
+    )
+
+
+def _double_double(value: Fraction) -> tuple[float, float]:
+    hi = float(value)
+    return hi, float(value - Fraction(hi))
+
+
+def _inverse(rows: list[list[Fraction]]) -> list[list[Fraction]]:
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    adjugate = [[e * i - f * h, c * h - b * i, b * f - c * e],
+                [f * g - d * i, a * i - c * g, c * d - a * f],
+                [d * h - e * g, b * g - a * h, a * e - b * d]]  # fmt: skip
+    determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0]
+    return [[x / determinant for x in row] for row in adjugate]
