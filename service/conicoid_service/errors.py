@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from conicoid.errors import ConicoidError, Problem
 
-
 DEFECT = "this request met a defect; the server's log has the details"
 
 

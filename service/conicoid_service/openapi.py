@@ -104,27 +104,5 @@ def describe(app: FastAPI) -> dict[str, Any]:
     document = get_openapi(
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=app.openapi_tags
     )
-    document.setdefault("components", {}).setdefault("schemas", {}).update(
-        {"Problem": PROBLEM_SCHEMA, **_scene_schemas()}
-    )
+    document.setdefault("components", {})["schemas"] = {"Problem": PROBLEM_SCHEMA, "Scene": json_schema()}
     return document
-
-
-def _scene_schemas() -> dict[str, Any]:
-    """The scene's schema with its definitions beside it, where OpenAPI's references find them."""
-    schema = _moved(json_schema())
-    definitions = schema.pop("$defs", {})
-    return {"Scene": {key: value for key, value in schema.items() if key not in ("$schema", "$id")}} | {
-        f"Scene.{name}": definition for name, definition in definitions.items()
-    }
-
-
-def _moved(schema: Any) -> Any:
-    if isinstance(schema, list):
-        return [_moved(item) for item in schema]
-    if not isinstance(schema, dict):
-        return schema
-    return {
-        key: value.replace("#/$defs/", "#/components/schemas/Scene.") if key == "$ref" else _moved(value)
-        for key, value in schema.items()
-    }

@@ -14,6 +14,7 @@ MEDIA_TYPE: Final = "application/problem+json"
 # code: (HTTP status, title). A scene document's own codes, `scene-...`, are SCENE unless they are here.
 STATUS: Final[dict[str, tuple[int, str]]] = {
     "bad-request": (400, "Bad request"),
+    "scene-json": (400, "Body is not JSON"),
     "not-found": (404, "Not found"),
     "method-not-allowed": (405, "Method not allowed"),
     "limit": (413, "Too much work"),

@@ -1,15 +1,64 @@
-"""What the service's tests share."""
+"""What the service's tests share: applications with and without OpenCL, and the check that nothing is left behind."""
 
-import os
-from collections.abc import Iterator
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
 from pathlib import Path
+from typing import Any
 
+import httpx
 import pytest
 
+from conicoid_service.app import create_app
+from conicoid_service.pipeline import Commands
+from conicoid_service.settings import Settings
+from tests.checkout import ROOT
 
-@pytest.fixture
+FAKE = Commands(render=(sys.executable, str(ROOT / "tests/service/fake_render_worker.py")))
+
+SCENE: dict[str, Any] = {
+    "conicoid": 1,
+    "quadrics": [{"shape": "sphere", "center": [0, 0, -3]}],
+    "camera": {"width": 40, "height": 30, "fov_y": 60},
+}
+
+
+def named(name: str) -> dict[str, Any]:
+    """The scene with a name that tells the fake render process what to do."""
+    return SCENE | {"quadrics": [{"shape": "sphere", "center": [0, 0, -3], "name": name}]}
+
+
+@asynccontextmanager
+async def serving(settings: Settings, commands: Commands | None = None) -> AsyncIterator[httpx.AsyncClient]:
+    """A client of an application in this process, with its lifespan run."""
+    app = create_app(settings, commands)
+    transport = httpx.ASGITransport(app, raise_app_exceptions=True)
+    async with (
+        app.router.lifespan_context(app),
+        httpx.AsyncClient(transport=transport, base_url="http://conicoid", timeout=60) as client,
+    ):
+        yield client
+
+
+@pytest.fixture(scope="session")
 def anyio_backend() -> str:
     return "asyncio"
+
+
+@pytest.fixture(scope="session")
+def search_path() -> Iterator[None]:
+    """Lets child processes import the tests' own modules."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(ROOT))
+        yield
+
+
+@pytest.fixture(scope="module")
+async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
+    """An application whose render process is fake, shared by the tests of a module."""
+    limits = Settings(body_limit=100_000, quadric_limit=100, pixel_limit=5_000)
+    async with serving(limits, FAKE) as shared:
+        yield shared
 
 
 def descriptors() -> set[str]:
@@ -17,7 +66,7 @@ def descriptors() -> set[str]:
     held = set()
     for entry in Path("/proc/self/fd").iterdir():
         try:
-            target = os.readlink(entry)
+            target = str(entry.readlink())
         except FileNotFoundError:
             continue  # the listing's own descriptor
         if target.startswith(("/memfd:conicoid", "socket:", "pipe:")):
@@ -27,7 +76,7 @@ def descriptors() -> set[str]:
 
 def children() -> set[int]:
     """Processes whose parent is this one, zombies included."""
-    found = set()
+    found: set[int] = set()
     for thread in Path("/proc/self/task").iterdir():
         found |= {int(pid) for pid in (thread / "children").read_text().split()}
     return found

@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from conicoid.errors import DeviceError, LimitError, Problem, SceneError
@@ -25,31 +26,38 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     return handle, {"pid": os.getpid(), "after": configuration["after"]}
 
 
+def refuse_scene() -> None:
+    raise SceneError([Problem("quadrics[3].radius", "-1 is not > 0; give a positive radius", "scene-value")])
+
+
+def refuse_limit() -> None:
+    raise LimitError("pixels", 10, 11)
+
+
+def defect() -> None:
+    raise ZeroDivisionError("a secret of the server's")
+
+
+FAULTS: dict[str, Callable[[], None]] = {
+    "abort": os.abort,
+    "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
+    "kill": lambda: os.kill(os.getpid(), signal.SIGKILL),
+    "exit": lambda: os._exit(3),
+    "hang": lambda: time.sleep(3600),
+    "scene": refuse_scene,
+    "limit": refuse_limit,
+    "defect": defect,
+    "echo": lambda: None,
+}
+
+
 def handle(message: Message, blobs: list[Blob]) -> Reply:
-    if message["do"].endswith(" once"):
-        fault = message["do"].removesuffix(" once") if mark(message["mark"]) else "echo"
-    else:
-        fault = message["do"]
-    match fault:
-        case "abort":
-            os.abort()
-        case "segfault":
-            os.kill(os.getpid(), signal.SIGSEGV)
-        case "kill":
-            os.kill(os.getpid(), signal.SIGKILL)
-        case "exit":
-            os._exit(3)
-        case "hang":
-            time.sleep(3600)
-        case "sleep":
-            time.sleep(message["seconds"])
-        case "defect":
-            raise ZeroDivisionError("a secret of the server's")
-        case "scene":
-            raise SceneError([Problem("quadrics[3].radius", "-1 is not > 0; give a positive radius", "scene-value")])
-        case "limit":
-            raise LimitError("pixels", 10, 11)
-    return {"pid": os.getpid(), "environment": dict(os.environ)}, [Blob.of(blob.read()) for blob in blobs]
+    """Do `message["do"]`, only the first time where it says `once`, then send the blobs back."""
+    fault, *once = message["do"].split()
+    if not once or mark(message["mark"]):
+        FAULTS[fault]()
+    time.sleep(message.get("seconds", 0))
+    return {"pid": os.getpid()}, [Blob.of(blob.read()) for blob in blobs]
 
 
 def mark(path: str) -> bool:

@@ -5,8 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import textwrap
-import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
@@ -64,7 +62,7 @@ async def echo(running: Supervisor) -> int:
 async def until(condition: Callable[[], bool]) -> None:
     """Wait for what must come; a test that hangs here has failed."""
     async with asyncio.timeout(30):
-        while not condition():
+        while not condition():  # noqa: ASYNC110  # the state of another process has no event
             await asyncio.sleep(0.01)
 
 
@@ -183,7 +181,7 @@ async def test_errors_that_the_child_reports_leave_it_alive() -> None:
 async def test_the_queue_holds_as_many_as_it_says_and_frees_places() -> None:
     async with supervisor(queue_length=2) as running:
         await echo(running)
-        waiting = [asyncio.create_task(running.call({"do": "sleep", "seconds": 0.2})) for _ in range(3)]
+        waiting = [asyncio.create_task(running.call({"do": "echo", "seconds": 0.2})) for _ in range(3)]
         await asyncio.sleep(0)
         with pytest.raises(QueueFullError):
             await running.call({"do": "echo"}, [Blob.of(b"refused")])
@@ -194,7 +192,7 @@ async def test_the_queue_holds_as_many_as_it_says_and_frees_places() -> None:
 async def test_a_caller_that_gives_up_frees_its_place_and_its_results() -> None:
     async with supervisor(queue_length=1) as running:
         await echo(running)
-        in_child = asyncio.create_task(running.call({"do": "sleep", "seconds": 0.3}, [Blob.of(b"late result")]))
+        in_child = asyncio.create_task(running.call({"do": "echo", "seconds": 0.3}, [Blob.of(b"late result")]))
         queued = asyncio.create_task(running.call({"do": "abort"}, [Blob.of(b"never sent")]))
         await asyncio.sleep(0.1)
         queued.cancel()
@@ -207,7 +205,7 @@ async def test_a_caller_that_gives_up_frees_its_place_and_its_results() -> None:
 async def test_time_in_the_queue_is_counted() -> None:
     async with supervisor() as running:
         await echo(running)
-        sleeping = asyncio.create_task(running.call({"do": "sleep", "seconds": 0.3}))
+        sleeping = asyncio.create_task(running.call({"do": "echo", "seconds": 0.3}))
         await asyncio.sleep(0)
         assert (await running.call({"do": "echo"})).queue_ms >= 300
         assert (await sleeping).queue_ms < 300
@@ -230,27 +228,29 @@ async def test_stopping_does_not_wait_for_a_child_that_is_still_starting() -> No
         await asyncio.sleep(0.1)
 
 
-@pytest.mark.parametrize("do", ["echo", "hang"])
-async def test_a_parent_that_is_killed_takes_its_child_along(do: str) -> None:
-    program = f"""
-        import asyncio
-        from conicoid_service.supervisor import Supervisor
+PARENT = """
+import asyncio, sys
+from conicoid_service.supervisor import Supervisor
 
-        async def main():
-            running = Supervisor("render", {FAULTY!r}, {{}}, queue_length=1, deadline_s=60, start_deadline_s=60)
-            running.start()
-            print((await running.hello())["pid"], flush=True)
-            await running.call({{"do": {do!r}}})
-            await asyncio.sleep(3600)
+async def main(command, do):
+    running = Supervisor("render", command, {}, queue_length=1, deadline_s=60, start_deadline_s=60)
+    running.start()
+    try:
+        print((await running.hello())["pid"], flush=True)
+        await running.call({"do": do})
+        await asyncio.sleep(3600)
+    except Exception as error:
+        print(type(error).__name__)
+    await asyncio.to_thread(running.stop)
 
-        asyncio.run(main())
-    """
-    with subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE) as parent:
-        assert parent.stdout
-        child = int(parent.stdout.readline())
-        time.sleep(0.1)
-        parent.kill()
-    await until(lambda: not running_process(child))
+asyncio.run(main(sys.argv[2:], sys.argv[1]))
+"""
+
+
+def parent(do: str, command: tuple[str, ...]) -> "subprocess.Popen[str]":
+    """A process with a supervisor of its own, which prints its child's pid or its error."""
+    program = [sys.executable, "-c", PARENT, do, *command]
+    return subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def running_process(pid: int) -> bool:
@@ -262,23 +262,19 @@ def running_process(pid: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.parametrize("do", ["echo", "hang"])
+async def test_a_parent_that_is_killed_takes_its_child_along(do: str) -> None:
+    with parent(do, FAULTY) as killed:
+        assert killed.stdout
+        child = int(await asyncio.to_thread(killed.stdout.readline))
+        await asyncio.sleep(0.1)
+        killed.kill()
+    await until(lambda: not running_process(child))
+
+
 async def test_a_childs_standard_output_does_not_reach_the_parents() -> None:
-    script = "import sys; print('noise', flush=True); raise SystemExit(1)"
-    program = f"""
-        import asyncio
-        from conicoid_service.supervisor import Supervisor
-
-        async def main():
-            running = Supervisor("x", {(sys.executable, "-c", script)!r}, {{}}, queue_length=1, deadline_s=9, start_deadline_s=9)
-            running.start()
-            try:
-                await running.hello()
-            except Exception as error:
-                print(type(error).__name__)
-            await asyncio.to_thread(running.stop)
-
-        asyncio.run(main())
-    """
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(program)], capture_output=True, text=True, check=True)
-    assert done.stdout == "UnavailableError\n"
-    assert "noise" in done.stderr
+    noisy = (sys.executable, "-c", "print('noise', flush=True); raise SystemExit(1)")
+    with parent("echo", noisy) as heard:
+        output, errors = await asyncio.to_thread(heard.communicate)
+    assert output == "UnavailableError\n"
+    assert "noise" in errors

@@ -1,0 +1,43 @@
+"""A render process without OpenCL: arbitrary planes for any scene; a quadric's name asks for a fault."""
+
+import os
+import pickle
+import sys
+import time
+from pathlib import Path
+
+from conicoid.scene import Scene
+from conicoid_service import exr
+from conicoid_service.blob import Blob
+from conicoid_service.channel import Message
+from conicoid_service.worker import Handler, Reply, serve
+from tests.service.scenes import frame
+
+HELLO = {"platform": "fake", "version": "1", "name": "fake", "threads": 1, "versions": {"conicoid": "0"}}
+
+
+def start(_: Message) -> tuple[Handler, Message]:
+    return handle, HELLO
+
+
+def handle(message: Message, blobs: list[Blob]) -> Reply:
+    scene: Scene = pickle.loads(blobs[0].read())
+    words = scene.quadrics.name.get(0, "").split()
+    match words:
+        case ["abort"]:
+            os.abort()
+        case ["hang"]:
+            time.sleep(3600)
+        case ["sleep", seconds]:
+            time.sleep(float(seconds))
+        case ["until", path]:
+            while not Path(path).exists():
+                time.sleep(0.01)
+        case ["defect"]:
+            raise ZeroDivisionError("a secret of the server's")
+    image = Blob.of(exr.encode(frame(scene), scene, message["scene_hash"]))
+    return {"timings_ms": {"setup": 1.0, "cast": 2.0, "encode": 3.0}}, [image]
+
+
+if __name__ == "__main__":
+    serve(start, sys.argv[1:])
