@@ -5,15 +5,16 @@ ufuncs, which never fuse two of them), scalings are by powers of two, and the ta
 are the same on every machine. docs/scene.md gives the same sequences for users.
 """
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from conicoid.document.rules import rigid
 from conicoid.document.tangent import tan_half
 from conicoid.document.variants import Group
 from conicoid.scene import Camera, Floats, Projection
+
+_LEAST_SINE2: Final = 2.0**-60
 
 
 def focal_from_angle(size: NDArray[np.int64], degrees: Floats) -> Floats:
@@ -32,40 +33,47 @@ def focal_from_height(size: NDArray[np.int64], view_height: Floats) -> Floats:
 
 
 def look_at_pose(eye: Floats, target: Floats, up: Floats) -> Floats:
-    """world_from_camera of views from `eye` to `target` (n, 3), (n, 4, 4) in OpenGL axes.
+    """world_from_camera of views from `eye` to `target`, each (n, 3): (n, 4, 4) in OpenGL axes.
 
-    z = eye - target, x = up cross z, y = z cross x, each normalised before the next. Not finite where eye is target or
-    up is parallel to the view; far from orthonormal where up is too nearly so (see `views`).
+    z = eye - target, x = up cross z, y = z cross x; up and each axis are normalised before they are used.
     """
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        z = eye - target
-        # Where the difference overflows, a quarter of it does not, and only the direction counts.
-        z = np.where(np.isfinite(z).all(axis=1, keepdims=True), z, 0.25 * eye - 0.25 * target)
-        z = _normalised(z)
-        x = _normalised(_cross(_scaled(up), z))
-        y = _normalised(_cross(z, x))
+    z = _backward(eye, target)
+    x = _normalised(_cross(_normalised(up), z))
+    y = _normalised(_cross(z, x))
     pose = np.zeros((len(eye), 4, 4))
     pose[:, :3, 0], pose[:, :3, 1], pose[:, :3, 2], pose[:, :3, 3] = x, y, z, eye
     pose[:, 3, 3] = 1
     return pose + 0.0
 
 
-def views(eye: Floats, target: Floats, up: Floats) -> NDArray[np.bool_]:
-    """Whether look_at's computed pose is a rotation as `world_from_camera` must be, (n,)."""
-    poses = look_at_pose(eye, target, up)
-    finite = np.isfinite(poses).all(axis=(1, 2), keepdims=True)
-    return rigid(np.where(finite, poses, 0))
+def is_across(eye: Floats, target: Floats, up: Floats) -> NDArray[np.bool_]:
+    """Whether `up` is at least an angle of about 2^-30 away from the line of sight, (n,).
+
+    A cross product of unit vectors is right to 4u, u = 2^-53; over a sine of 2^-30 that leaves x and z perpendicular
+    to 5e-7, within the 1e-6 that `world_from_camera` is held to.
+    """
+    with np.errstate(invalid="ignore"):  # 0 / 0 where eye is target: not across either
+        x, y, z = _cross(_normalised(up), _backward(eye, target)).T
+    across: NDArray[np.bool_] = (x * x + y * y) + z * z >= _LEAST_SINE2
+    return across
 
 
-def _scaled(vectors: Floats) -> Floats:
-    """Vectors scaled by powers of two until their largest component is in [1/2, 1)."""
-    largest = np.abs(vectors).max(axis=1, keepdims=True)
-    scaled: Floats = np.ldexp(vectors, -np.frexp(largest)[1])
-    return scaled
+def _backward(eye: Floats, target: Floats) -> Floats:
+    """The camera's z axis, (n, 3)."""
+    with np.errstate(over="ignore"):
+        z = eye - target
+    # Where the difference overflows, a quarter of it does not, and only its direction counts.
+    return _normalised(np.where(np.isfinite(z).all(axis=1, keepdims=True), z, 0.25 * eye - 0.25 * target))
 
 
 def _normalised(vectors: Floats) -> Floats:
-    x, y, z = _scaled(vectors).T
+    """Vectors (n, 3) over their lengths.
+
+    They are first scaled by the power of two that brings the largest component into [1/2, 1): no square overflows, and
+    none that counts underflows.
+    """
+    largest = np.abs(vectors).max(axis=1, keepdims=True)
+    x, y, z = np.ldexp(vectors, -np.frexp(largest)[1]).T
     length = np.sqrt((x * x + y * y) + z * z)
     return np.stack([x / length, y / length, z / length], axis=1)
 

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from conicoid.document.camera import focal_from_angle, focal_from_height, views
+from conicoid.document.camera import focal_from_angle, focal_from_height, is_across
 from conicoid.document.kinds import Word
 from conicoid.document.numeric import Numbers
 from conicoid.document.quadric_fields import IDENTITY
@@ -63,7 +63,7 @@ _LOOK_AT: Final = Record(
         ),
         Relation(
             ("eye", "target", "up"),
-            lambda eye, target, up: views(eye, target, up) | (eye == target).all(axis=1),
+            lambda eye, target, up: (eye == target).all(axis=1) | is_across(eye, target, up),
             at="up",
             message=lambda *values: f"{values[2]} is parallel to the view, or as good as; give an up across it",
         ),

@@ -79,7 +79,7 @@ class Numbers:
             return
         for rule in self.rules:
             if not rule.holds(array).all():
-                problems.add(f"{place}{rule.within}", rule.message(value), "scene-value")
+                problems.add(f"{place}{rule.within}", rule.message(value), rule.code)
                 return
 
     def _explain_entries(self, value: Any, shape: tuple[int, ...], place: str, problems: Problems) -> None:

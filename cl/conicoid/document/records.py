@@ -12,6 +12,8 @@ from conicoid.document.json_text import RepeatedKeys
 from conicoid.document.kinds import Kind, one_of
 from conicoid.document.problems import Problems, key_place, unlike
 
+_KeyProblem = tuple[str | None, str, str]  # the key at fault (None: the object itself), message, code
+
 
 @dataclass(frozen=True)
 class Field:
@@ -106,7 +108,7 @@ class Record:
         if isinstance(value, RepeatedKeys):
             explain_repeated(value, place, problems)
         for key, message, code in self._key_problems(value):
-            problems.add(key_place(place, key) if key else place, message, code)
+            problems.add(place if key is None else key_place(place, key), message, code)
         columns = {key: self.fields[key].kind.column([value[key]]) for key in value if key in self.fields}
         for key, column in columns.items():
             if column is None:
@@ -117,8 +119,8 @@ class Record:
                 message = relation.message(*(value[key] for key in relation.keys))
                 problems.add(key_place(place, relation.at), message, relation.code)
 
-    def _key_problems(self, keys: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-        """Key at fault (empty: the object itself), message and code of all that is wrong with an object's keys."""
+    def _key_problems(self, keys: Mapping[str, Any]) -> Iterator[_KeyProblem]:
+        """All that is wrong with an object's keys."""
         for key in keys:
             if key in self.reserved:
                 yield key, f"{self.reserved[key]} is not read by this version; leave it out", "scene-unsupported"
@@ -134,18 +136,18 @@ class Record:
         if self.choices:
             yield from self._choice_problems(keys)
 
-    def _choice_problems(self, keys: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    def _choice_problems(self, keys: Mapping[str, Any]) -> Iterator[_KeyProblem]:
         touched = [choice for choice in self.choices if any(key in keys for key in choice)]
         wanted = one_of(tuple(" and ".join(choice) for choice in self.choices))
         if not touched:
-            yield "", f"{wanted} is missing; give one of them", "scene-missing"
+            yield None, f"{wanted} is missing; give one of them", "scene-missing"
         elif len(touched) > 1:
             first, second, *_ = (next(key for key in choice if key in keys) for choice in touched)
             yield second, f"excludes {first}, which is given too; give only {wanted}", "scene-conflict"
         else:
             yield from (self._missing(key) for key in touched[0] if key not in keys)
 
-    def _missing(self, key: str) -> tuple[str, str, str]:
+    def _missing(self, key: str) -> _KeyProblem:
         return key, f"missing; give {self.fields[key].about}", "scene-missing"
 
     def schema(self) -> dict[str, Any]:

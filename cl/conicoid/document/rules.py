@@ -21,12 +21,14 @@ class Rule:
         message: for the JSON value of one that does not hold: value, rule and remedy.
         within: place of the fault within the value, as in `[3]` for the last row of a matrix.
         schema: what JSON Schema can say of the rule.
+        code: of the problem.
     """
 
     holds: Callable[[NDArray[Any]], NDArray[np.bool_]]
     message: Callable[[Any], str]
     within: str = ""
     schema: dict[str, Any] = field(default_factory=dict)
+    code: str = "scene-value"
 
 
 def _nonzero(values: Floats) -> NDArray[np.bool_]:
@@ -80,11 +82,17 @@ AFFINE: Final = Rule(
     lambda matrices: (matrices[:, 3] == (0, 0, 0, 1)).all(axis=1),
     lambda matrix: f"{matrix[3]} is not [0, 0, 0, 1]; give an affine matrix in rows, the translation last in each",
     within="[3]",
-    schema={"prefixItems": [{}, {}, {}, {"const": [0, 0, 0, 1]}]},
+    schema={"allOf": [{"prefixItems": [{}, {}, {}, {"const": [0, 0, 0, 1]}]}]},
 )
 INVERTIBLE: Final = Rule(
     lambda matrices: determinant_sign(matrices[:, :3, :3]) != 0,
     lambda _: "singular: its determinant is exactly 0; give a transform that does not flatten space",
+)
+VERSION: Final = Rule(
+    lambda versions: versions == 1,
+    lambda version: f"version {version} of the format is not read by this version; give 1",
+    schema={"const": 1},
+    code="scene-unsupported",
 )
 RIGID: Final = Rule(
     rigid,

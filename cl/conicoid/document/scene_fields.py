@@ -8,6 +8,7 @@ from conicoid.document.kinds import Flag, Word, Words
 from conicoid.document.numeric import Numbers, NumbersOrInfinity
 from conicoid.document.quadric_fields import QUADRICS
 from conicoid.document.records import Field, Record
+from conicoid.document.rules import VERSION
 
 OUTPUT: Final = Record(
     noun="an output",
@@ -40,7 +41,9 @@ OUTPUT: Final = Record(
 SCENE: Final = Record(
     noun="a scene document",
     fields={
-        "conicoid": Field(Numbers("1", whole=True, least=1, most=1), "1, the version of the document format"),
+        "conicoid": Field(
+            Numbers("1", whole=True, least=1, most=2**53, rules=(VERSION,)), "1, the version of the document format"
+        ),
         "quadrics": Field(QUADRICS, "the list of quadrics"),
         "camera": Field(CAMERA, "the camera"),
         "output": Field(OUTPUT, "what is written, and how", {}),
