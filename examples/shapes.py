@@ -89,4 +89,5 @@ def scene() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    Path(__file__).with_suffix(".json").write_text(json.dumps(scene(), indent=1) + "\n")
+    lines = json.dumps(scene()).replace('{"shape"', '\n{"shape"').replace('], "camera"', '\n], "camera"')
+    Path(__file__).with_suffix(".json").write_text(lines + "\n")

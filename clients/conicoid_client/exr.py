@@ -4,7 +4,7 @@ import io
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,16 +111,14 @@ def _window(corners: Any) -> Window:
 
 @contextmanager
 def _muted() -> Iterator[None]:
-    """Keep the library's remarks about damaged files off the terminal; they come from C, beside Python's streams."""
-    with ExitStack() as undo:
-        sink = os.open(os.devnull, os.O_WRONLY)
-        undo.callback(os.close, sink)
-        for stream, descriptor in ((sys.stdout, 1), (sys.stderr, 2)):
-            if stream is None:
-                continue
-            stream.flush()
-            saved = os.dup(descriptor)
+    """Keep the library's remarks about damaged files to itself: it prints some from Python and some from C."""
+    with redirect_stdout(io.StringIO()), ExitStack() as undo:
+        if sys.stderr is not None:
+            sys.stderr.flush()
+            c_stderr = 2
+            saved, sink = os.dup(c_stderr), os.open(os.devnull, os.O_WRONLY)
             undo.callback(os.close, saved)
-            undo.callback(os.dup2, saved, descriptor)
-            os.dup2(sink, descriptor)
+            undo.callback(os.close, sink)
+            undo.callback(os.dup2, saved, c_stderr)
+            os.dup2(sink, c_stderr)
         yield

@@ -34,9 +34,8 @@ def connect(options: argparse.Namespace) -> "Client":
 
     if (address := server(options)) is not None:
         return Client(address)
-    from conicoid_service.app import create_app
-
     from conicoid_client.local import LocalTransport
+    from conicoid_service.app import create_app
 
     # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
     logging.getLogger().addHandler(logging.NullHandler())

@@ -1,0 +1,161 @@
+"""The client library against answers made up here."""
+
+import json
+from collections.abc import Callable
+
+import httpx
+import pytest
+
+from conicoid_client import Client, ClientError, Problem, ProblemError, SceneRejected, ServerBusy, Unreachable
+
+Handler = Callable[[httpx.Request], httpx.Response]
+
+
+def client(handler: Handler, retries: int = 4) -> Client:
+    return Client("http://service.test", transport=httpx.MockTransport(handler), retries=retries)
+
+
+def problem(status: int, **members: object) -> httpx.Response:
+    headers = {"Content-Type": "application/problem+json"}
+    return httpx.Response(status, headers=headers, content=json.dumps({"status": status, **members}))
+
+
+@pytest.fixture
+def naps(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The waits that were asked for; none of them is waited."""
+    slept: list[float] = []
+    monkeypatch.setattr("conicoid_client.client.time.sleep", slept.append)
+    return slept
+
+
+def test_render_sends_the_text_as_it_is_and_reads_what_comes_back() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert (request.method, request.url.path) == ("POST", "/v1/render")
+        assert request.headers["Content-Type"] == "application/json"
+        assert request.content == b'{"conicoid":  1}'
+        return httpx.Response(
+            200, content=b"exr", headers={"ETag": '"tag"', "Server-Timing": "cast;dur=4.1, encode;dur=97, odd;desc=x"}
+        )
+
+    rendering = client(answer).render(b'{"conicoid":  1}')
+    assert (rendering.exr, rendering.etag) == (b"exr", '"tag"')
+    assert rendering.timing_ms == {"cast": 4.1, "encode": 97.0}
+
+
+def test_a_mapping_is_sent_as_json_with_the_precision_asked_for() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert json.loads(request.content) == {"conicoid": 1, "output": {"precision": "float32"}}
+        return httpx.Response(200)
+
+    client(answer).render({"conicoid": 1}, precision="float32")
+
+
+def test_not_a_number_is_refused_before_it_is_sent() -> None:
+    with pytest.raises(ValueError, match="JSON"):
+        client(lambda _: httpx.Response(200)).render({"conicoid": float("nan")})
+
+
+def test_a_rendering_that_is_still_current_is_none() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        return httpx.Response(304 if request.headers.get("If-None-Match") == '"tag"' else 200, content=b"new")
+
+    assert client(answer).render(b"{}", etag='"tag"') is None
+    changed = client(answer).render(b"{}", etag='"other"')
+    assert changed is not None
+    assert changed.exr == b"new"
+
+
+def test_a_rejected_scene_names_every_place() -> None:
+    errors = [
+        {"pointer": "quadrics[3].radius", "message": "-1 is not > 0; give a positive radius", "code": "scene-value"},
+        {"pointer": "", "message": "no camera"},
+    ]
+    with pytest.raises(SceneRejected) as caught:
+        client(lambda _: problem(422, code="scene-value", detail="2 problems", errors=errors)).canonical(b"{}")
+    assert caught.value.problems == (
+        Problem("quadrics[3].radius", "-1 is not > 0; give a positive radius", "scene-value"),
+        Problem("", "no camera", ""),
+    )
+    assert "quadrics[3].radius: -1 is not > 0; give a positive radius [scene-value]" in str(caught.value)
+
+
+@pytest.mark.parametrize("status", [400, 413, 415, 422])
+def test_what_the_document_is_to_blame_for_is_a_rejected_scene(status: int) -> None:
+    with pytest.raises(SceneRejected):
+        client(lambda _: problem(status)).render(b"{}")
+
+
+@pytest.mark.parametrize("status", [301, 401, 404, 405, 500, 502, 504])
+def test_any_other_error_is_not_blamed_on_the_scene(status: int) -> None:
+    with pytest.raises(ProblemError) as caught:
+        client(lambda _: problem(status, code="c", detail="d")).render(b"{}")
+    assert not isinstance(caught.value, SceneRejected)
+    assert (caught.value.status, caught.value.code, caught.value.detail) == (status, "c", "d")
+
+
+@pytest.mark.parametrize("body", [b"", b"<html>", b"[]", b'"text"', b'{"errors": 3}', b'{"errors": [1, {}]}'])
+def test_an_error_that_is_not_problem_json_is_still_readable(body: bytes) -> None:
+    with pytest.raises(ProblemError) as caught:
+        client(lambda _: httpx.Response(502, content=body)).device()
+    assert caught.value.code == "http-502"
+    assert "502 Bad Gateway" in caught.value.detail
+
+
+@pytest.mark.parametrize("status", [429, 503])
+def test_a_busy_service_is_asked_again_when_it_says_so(status: int, naps: list[float]) -> None:
+    answers = iter([problem(status), httpx.Response(200, content=b"exr")])
+    first = next(answers)
+    first.headers["Retry-After"] = "3"
+    remaining = iter([first, *answers])
+    assert client(lambda _: next(remaining)).render(b"{}").exr == b"exr"
+    assert naps == [3.0]
+
+
+def test_a_service_that_stays_busy_is_given_up_after_the_retries(naps: list[float]) -> None:
+    def answer(_: httpx.Request) -> httpx.Response:
+        busy = problem(429, code="queue-full", detail="the queue is full")
+        busy.headers["Retry-After"] = "0.5"
+        return busy
+
+    with pytest.raises(ServerBusy, match="queue-full") as caught:
+        client(answer, retries=2).render(b"{}")
+    assert naps == [0.5, 0.5]
+    assert caught.value.retry_after == 0.5
+
+
+@pytest.mark.parametrize("retry_after", [None, "Wed, 21 Oct 2026 07:28:00 GMT", "86400"])
+def test_without_a_short_wait_in_seconds_a_busy_service_fails_at_once(
+    retry_after: str | None, naps: list[float]
+) -> None:
+    headers = {} if retry_after is None else {"Retry-After": retry_after}
+    with pytest.raises(ServerBusy):
+        client(lambda _: httpx.Response(503, headers=headers)).render(b"{}")
+    assert naps == []
+
+
+def test_other_errors_are_not_repeated(naps: list[float]) -> None:
+    with pytest.raises(ProblemError):
+        client(lambda _: httpx.Response(500, headers={"Retry-After": "1"})).render(b"{}")
+    assert naps == []
+
+
+@pytest.mark.parametrize(
+    "error", [httpx.ConnectError("refused"), httpx.ReadTimeout(""), httpx.RemoteProtocolError("cut")]
+)
+def test_no_answer_is_unreachable_and_says_where(error: httpx.HTTPError) -> None:
+    def answer(_: httpx.Request) -> httpx.Response:
+        raise error
+
+    with pytest.raises(Unreachable, match=r"http://service\.test.*: .+"):
+        client(answer).device()
+
+
+@pytest.mark.parametrize("url", ["", "localhost:8000", "ftp://host", "http://", "http://host:port"])
+def test_an_address_that_is_not_one_is_refused_at_once(url: str) -> None:
+    with pytest.raises(ClientError, match="URL"):
+        Client(url)
+
+
+def test_a_server_that_is_something_else_is_not_taken_for_a_device() -> None:
+    with pytest.raises(ProblemError, match="is this Conicoid"):
+        client(lambda _: httpx.Response(200, content=b"<html>")).device()
