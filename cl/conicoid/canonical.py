@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import orjson
 
-from conicoid.scene import Camera, Output, Quadrics, Scene
+from conicoid.scene import Camera, Floats, Output, Quadrics, Scene
 from conicoid.shapes import SHAPES, Shape
 
 
@@ -35,7 +35,7 @@ def _quadrics(quadrics: Quadrics) -> list[dict[str, Any]]:
     transforms = np.concatenate([quadrics.world_from_object, last_row], axis=1).tolist()
     shapes = [SHAPES[code] for code in quadrics.shape.tolist()]
     parameters = map(_parameters, shapes, quadrics.radii.tolist())
-    forms = iter(quadrics.matrix.tolist())
+    forms = iter(_forms(quadrics).tolist())
     documents = [
         {"shape": shape.name}
         | ({"matrix": next(forms)} if shape.name == "quadric" else radii)
@@ -51,6 +51,11 @@ def _quadrics(quadrics: Quadrics) -> list[dict[str, Any]]:
     for i, name in quadrics.name.items():
         documents[i]["name"] = name
     return documents
+
+
+def _forms(quadrics: Quadrics) -> Floats:
+    """(m, 4, 4) matrices of the quadrics that have one, in their order."""
+    return quadrics.matrix[quadrics.matrix_row[quadrics.matrix_row >= 0]]
 
 
 def _parameters(shape: Shape, radii: list[float]) -> dict[str, Any]:
@@ -105,7 +110,7 @@ def scene_hash(scene: Scene) -> str:
     for array, dtype in (
         (quadrics.shape, "u1"),
         (quadrics.radii, "<f8"),
-        (quadrics.matrix, "<f8"),
+        (_forms(quadrics), "<f8"),
         (quadrics.world_from_object, "<f8"),
         (quadrics.z_range, "<f8"),
         (quadrics.clip, "<f8"),
@@ -130,6 +135,6 @@ def scene_hash(scene: Scene) -> str:
     return digest.hexdigest()
 
 
-def _camera_numbers(camera: Camera) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _camera_numbers(camera: Camera) -> Floats:
     lens = (camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy)
     return np.array([*lens, *camera.world_from_camera.ravel(), camera.near, camera.far, *camera.crop], np.float64)

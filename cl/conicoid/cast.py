@@ -13,13 +13,15 @@ from conicoid.scene import Scene
 from conicoid.setup import Visible
 from conicoid.view import View
 
-_FILES: Final = ["records.h", "lanes.h", "polynomials.h", "candidates.h", "normals.h", "cast.cl"]
+_FILES: Final = [
+    "records.h", "lanes.h", "polynomials.h", "candidates.h", "normals.h", "tile.h", "channels.h", "cast.cl"
+]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
 # Planes lie in this order, whatever order the document asks them in.
 _PLANES: Final = {
     "Z": ("Z",), "T": ("T",), "ZBack": ("ZBack",), "N": ("N.X", "N.Y", "N.Z"), "P": ("P.X", "P.Y", "P.Z"), "A": ("A",)
 }  # fmt: skip
-# `frame` in kernels/cast.cl.
+# `frame` in kernels/tile.h.
 _FRAME: Final = np.dtype(
     [
         ("rays", "f8", (6, 3)), ("back", "f8", (3, 3)), ("slant", "f8", (2, 2)), ("unit", "f8"), ("near", "f8"),

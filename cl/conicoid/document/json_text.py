@@ -101,7 +101,8 @@ def read_exact(body: bytes) -> Any:
     try:
         return _EXACT.decode(text)
     except json.JSONDecodeError as error:
-        rule = f"{error.msg[:1].lower()}{error.msg[1:]}"
+        rule = error.msg.removesuffix(" at").removesuffix(" starting")
+        rule = f"{rule[:1].lower()}{rule[1:]}"
         raise _not_json(f"line {error.lineno}, column {error.colno}: not JSON: {rule}; correct the text") from None
     except RecursionError:
         raise _not_json("nested too deeply; a scene document nests at most five levels") from None

@@ -26,8 +26,13 @@ typedef JOIN(int, LANES) mask;
 #error "REAL_BITS is 64 or 32"
 #endif
 typedef JOIN(float, LANES) floats;
-// Rows of the planes start anywhere.
-typedef floats floats_unaligned __attribute__((aligned(4)));
+#if REAL_BITS == 64
+#define TO_FLOATS(v) __builtin_convertvector(v, floats)
+#define FROM_FLOATS(v) __builtin_convertvector(v, reals)
+#else
+#define TO_FLOATS(v) (v)
+#define FROM_FLOATS(v) (v)
+#endif
 
 // OR-folding halves is twice as fast as any(), which PoCL expands lane by lane.
 #if REAL_BITS == 32

@@ -1,0 +1,147 @@
+// From keys and winners to the channels of a tile.
+
+// Z, T, P, A, id: what follows from the depth alone.
+static void store_depth_channels(__global const frame *f, const window *w, const tile_state *tile, reals ramp,
+                                 __global const uint *id, __global float *planes, __global uint *ids)
+{
+    int channels = f->channels;
+    real middle_u = w->u0 + TILE / 2, middle_v = w->v0 + TILE / 2;
+    reals t[CELLS];
+    for (int cell = 0; cell < CELLS; cell++) {
+        reals key = tile->key[cell];
+        t[cell] = (f->orthographic ? -key : 1 / key) * (real)f->unit;
+    }
+    floats out[CELLS];
+    if (channels & WANT_Z) {
+        for (int cell = 0; cell < CELLS; cell++)
+            out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? t[cell] : (reals)(f->background));
+        store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
+    }
+    if (channels & WANT_T) {
+        for (int cell = 0; cell < CELLS; cell++) {
+            reals u = ramp + ((real)(cell % VECTORS * LANES) + middle_u);
+            real v = cell / VECTORS + (real)0.5 - TILE / 2 + middle_v;
+            reals x = (real)f->slant[0][0] * u + (real)f->slant[0][1];
+            real y = (real)f->slant[1][0] * v + (real)f->slant[1][1];
+            reals distance = t[cell] * sqrt(x * x + (y * y + 1));
+            out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? distance : (reals)(f->background));
+        }
+        store_tile(w, plane_of(f, w, planes, WANT_T), (__private const float *)out);
+    }
+    __private const integer *winner = (__private const integer *)tile->winner;
+    __private float *pixel_out = (__private float *)out;
+    if (channels & WANT_P)
+        for (int j = 0; j < 3; j++) {
+            // In binary64 whatever the precision: the position keeps what t has.
+            for (int pixel = 0; pixel < TILE * TILE; pixel++) {
+                double u = w->u0 + pixel % TILE + 0.5, v = w->v0 + pixel / TILE + 0.5;
+                double p = f->rays[0][j] + (f->rays[1][j] * u + f->rays[2][j] * v);
+                double d = f->rays[3][j] + (f->rays[4][j] * u + f->rays[5][j] * v);
+                double depth = ((__private const real *)t)[pixel];
+                pixel_out[pixel] = winner[pixel] != MISS ? (float)(p + depth * d) : 0.0f;
+            }
+            store_tile(w, plane_of(f, w, planes, WANT_P) + j * w->plane_size, pixel_out);
+        }
+    if (channels & WANT_A) {
+        for (int cell = 0; cell < CELLS; cell++)
+            out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? (reals)(1) : (reals)(0));
+        store_tile(w, plane_of(f, w, planes, WANT_A), pixel_out);
+    }
+    if (channels & WANT_ID) {
+        for (int pixel = 0; pixel < TILE * TILE; pixel++)
+            pixel_out[pixel] = as_float(winner[pixel] != MISS ? id[winner[pixel] >> 2] : 0u);
+        store_tile(w, (__global float *)ids, pixel_out);
+    }
+}
+
+// 1/sqrt(square): a binary32 start and one Newton step, relative error below 2^-44; half the cost of sqrt and divide.
+// Only for squares well inside binary32's range.
+static inline reals inverse_length(reals square)
+{
+#if REAL_BITS == 64
+    if (!some((square < 0x1p-100) | (square > 0x1p100))) {
+        reals r = FROM_FLOATS(1 / sqrt(TO_FLOATS(square)));
+        return r * (1.5 - (0.5 * square) * (r * r));
+    }
+#endif
+    return 1 / sqrt(square);
+}
+
+// N and ZBack: winner by winner, so that a form is moved to the tile once.
+static void store_form_channels(__global const frame *f, const window *w, const tile_state *tile, reals ramp,
+                                __global const int *record_of, __global const simple_record *simple,
+                                __global const general_record *general, __global const clip_record *clips,
+                                real near, real far, __global float *planes)
+{
+    int channels = f->channels;
+    int middle_u = w->u0 + TILE / 2, middle_v = w->v0 + TILE / 2;
+    floats normal[3][CELLS], back[CELLS];
+    mask left[CELLS];
+    for (int cell = 0; cell < CELLS; cell++) {
+        normal[0][cell] = normal[1][cell] = normal[2][cell] = (floats)(0.0f);
+        back[cell] = (floats)(f->background);
+        left[cell] = tile->winner[cell] >> 2;
+    }
+    for (int start = 0; start < CELLS;) {
+        if (!some(left[start] >= 0)) {
+            start++;
+            continue;
+        }
+        integer slot = MISS;
+        for (int lane = 0; lane < LANES; lane++)
+            slot = LANE(integer, left[start], lane) >= 0 ? LANE(integer, left[start], lane) : slot;
+        int record = record_of[slot];
+        simple_normal sn;
+        general_tile g;
+        general_normal gn;
+        if (record >= 0) {
+            __global const simple_record *r = simple + record;
+            sn = move_simple_normal(r, middle_u - r->centre[0], middle_v - r->centre[1]);
+        } else {
+            __global const general_record *r = general + ~record;
+            g = move_general(r, clips, middle_u, middle_v, near, far);
+            gn = move_general_normal(r, middle_u - r->centre[0], middle_v - r->centre[1]);
+        }
+        for (int cell = start; cell < CELLS; cell++) {
+            mask mine = left[cell] == (mask)(slot);
+            if (!some(mine))
+                continue;
+            left[cell] = mine ? (mask)(MISS) : left[cell];
+            reals px = ramp + (real)(cell % VECTORS * LANES);
+            real py = cell / VECTORS + (real)0.5 - TILE / 2;
+            if (channels & WANT_N) {
+                vector3 n;
+                if (record >= 0)
+                    n = simple_normal_at(&sn, tile->root[cell], px, py);
+                else
+                    n = general_normal_at(&g, &gn, tile->winner[cell] & 3, f->outward, px, py);
+                reals square = n.x * n.x + n.y * n.y + n.z * n.z;
+                mask vanishes = mine & ~(square > 0);
+                if (some(vanishes)) {
+                    reals u = px + (real)middle_u;
+                    real v = py + (real)middle_v;
+                    n.x = vanishes ? (real)f->back[0][0] * u + ((real)f->back[0][1] * v + (real)f->back[0][2]) : n.x;
+                    n.y = vanishes ? (real)f->back[1][0] * u + ((real)f->back[1][1] * v + (real)f->back[1][2]) : n.y;
+                    n.z = vanishes ? (real)f->back[2][0] * u + ((real)f->back[2][1] * v + (real)f->back[2][2]) : n.z;
+                    square = n.x * n.x + n.y * n.y + n.z * n.z;
+                }
+                reals scale = inverse_length(mine ? square : (reals)(1));
+                // Adding to +0 turns -0 into +0 and changes nothing else.
+                normal[0][cell] += TO_FLOATS(mine ? n.x * scale : (reals)(0));
+                normal[1][cell] += TO_FLOATS(mine ? n.y * scale : (reals)(0));
+                normal[2][cell] += TO_FLOATS(mine ? n.z * scale : (reals)(0));
+            }
+            if (channels & WANT_ZBACK) {
+                floats z = TO_FLOATS(candidates(&g, px, py).last * (real)f->unit);
+                for (int lane = 0; lane < LANES; lane++)
+                    if (LANE(integer, mine, lane))
+                        LANE(float, back[cell], lane) = LANE(float, z, lane);
+            }
+        }
+    }
+    if (channels & WANT_N)
+        for (int j = 0; j < 3; j++)
+            store_tile(w, plane_of(f, w, planes, WANT_N) + j * w->plane_size, (__private const float *)normal[j]);
+    if (channels & WANT_ZBACK)
+        store_tile(w, plane_of(f, w, planes, WANT_ZBACK), (__private const float *)back);
+}
