@@ -1,17 +1,20 @@
 """Strong entity tags: equal exactly when the bytes are."""
 
 import hashlib
+from collections.abc import Mapping
 from importlib.metadata import version
+from typing import Any
 
 ENGINE = f"conicoid {version('conicoid')}, OpenEXR {version('OpenEXR')}, NumPy {version('numpy')}"
 
 
-def entity_tag(scene_hash: str, device: str) -> str:
+def entity_tag(scene_hash: str, device: Mapping[str, Any]) -> str:
     """The tag of a scene's image: of its canonical values and output, this build, and the device.
 
     The device counts for as long as its arithmetic may show in a pixel.
     """
-    digest = hashlib.sha256(f"{scene_hash}\n{ENGINE}\n{device}".encode()).hexdigest()
+    driver = (device["platform"], device["version"], device["name"])
+    digest = hashlib.sha256(f"{scene_hash}\n{ENGINE}\n{driver}".encode()).hexdigest()
     return f'"{digest}"'
 
 

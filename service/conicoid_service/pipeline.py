@@ -75,7 +75,7 @@ class Pipeline:
                 raise child.failure or NotReadyError(f"the {child.name} process is starting; requests wait for it")
 
     async def device(self) -> Message:
-        """What the render process says about its device and the versions it runs."""
+        """What the render process says about itself: `device`, as `conicoid.device` describes it, and `threads`."""
         return await self._renders.hello()
 
     async def canonical(self, body: Blob) -> tuple[bytes, Timings]:

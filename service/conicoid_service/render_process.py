@@ -4,10 +4,9 @@ import os
 import pickle
 import sys
 import time
-from importlib.metadata import version
 
 from conicoid.scene import Scene
-from conicoid_service import exr
+from conicoid_service import exr, warmup
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.cpus import usable_cpus
@@ -27,11 +26,11 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     take_slot(configuration["cache_dir"], after=configuration["after"])
     exr.set_threads(threads)
 
-    from conicoid.device import describe, find_device
-    from conicoid.engine import Renderer
+    from conicoid.engine import Renderer  # loads OpenCL, which reads its environment only once
 
-    selector = configuration["device"]
-    renderer = Renderer(selector)
+    renderer = Renderer(configuration["device"])
+    for scene in warmup.scenes():
+        exr.encode(renderer.render(scene), scene, "")
 
     def render(message: Message, blobs: list[Blob]) -> Reply:
         scene: Scene = pickle.loads(blobs[0].read())  # noqa: S301  # written by the document process
@@ -43,11 +42,7 @@ def start(configuration: Message) -> tuple[Handler, Message]:
         timings = {"setup": frame.setup_ms, "cast": frame.cast_ms, "encode": encode_ms}
         return {"timings_ms": timings}, [image]
 
-    hello = describe(find_device(selector)).as_dict() | {
-        "threads": threads,
-        "versions": {name: version(name) for name in ("conicoid", "OpenEXR", "pyopencl", "numpy")},
-    }
-    return render, hello
+    return render, {"device": renderer.device.as_dict(), "threads": threads}
 
 
 if __name__ == "__main__":

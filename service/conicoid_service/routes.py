@@ -1,9 +1,11 @@
 """What the service does for scenes: render, canonical form, device."""
 
+from importlib.metadata import version
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
+from conicoid import __version__
 from conicoid_service.blob import Blob
 from conicoid_service.bodies import receive_json
 from conicoid_service.disconnects import while_connected
@@ -12,6 +14,8 @@ from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, RENDER_DOCS
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
 from conicoid_service.settings import Settings
+
+LIBRARIES = ("OpenEXR", "pyopencl", "numpy", "fastapi", "uvicorn")
 
 router = APIRouter(prefix="/v1", tags=["scenes"])
 
@@ -31,7 +35,7 @@ async def render(request: Request) -> Response:
 async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> Response:
     read = await pipeline.read(body)
     with read.scene:
-        tag = entity_tag(read.scene_hash, str(await pipeline.device()))
+        tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
         if matches(if_none_match, tag):
             return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(read.timings)})
         image, timings = await pipeline.render(read)
@@ -56,8 +60,17 @@ async def canonical(request: Request) -> Response:
 async def device(request: Request) -> dict[str, Any]:
     """What renders here: OpenCL platform and device, versions, limits, and what each precision means."""
     settings, pipeline = _parts(request)
+    hello = await pipeline.device()
+    opencl = hello["device"]
     return {
-        **await pipeline.device(),
+        "version": __version__,
+        "platform": opencl["platform"],
+        "platform_version": opencl["version"],
+        "device": opencl["name"],
+        "compute_units": opencl["compute_units"],
+        "global_memory": opencl["global_memory"],
+        "threads": hello["threads"],
+        "libraries": {name: version(name) for name in LIBRARIES},
         "precision": {
             "exact": "evaluated as float64 in this version: not yet exact at every pixel",
             "float64": "evaluated in binary64 after an accurate set-up",

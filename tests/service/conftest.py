@@ -56,7 +56,7 @@ def search_path() -> Iterator[None]:
 @pytest.fixture(scope="module")
 async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """An application whose render process is fake, shared by the tests of a module."""
-    limits = Settings(body_limit=100_000, quadric_limit=100, pixel_limit=5_000)
+    limits = Settings(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000)
     async with serving(limits, FAKE) as shared:
         yield shared
 

@@ -13,11 +13,11 @@ from conicoid_service.channel import Message
 from conicoid_service.worker import Handler, Reply, serve
 from tests.service.scenes import frame
 
-HELLO = {"platform": "fake", "version": "1", "name": "fake", "threads": 1, "versions": {"conicoid": "0"}}
+DEVICE = {"platform": "Fake", "version": "1", "name": "none", "compute_units": 1, "global_memory": 1}
 
 
 def start(_: Message) -> tuple[Handler, Message]:
-    return handle, HELLO
+    return handle, {"device": DEVICE, "threads": 1}
 
 
 def handle(message: Message, blobs: list[Blob]) -> Reply:

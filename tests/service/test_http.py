@@ -8,6 +8,7 @@ import httpx
 import jsonschema
 import pytest
 
+from conicoid import __version__
 from conicoid_service.openapi import PROBLEM_SCHEMA
 from tests.service.conftest import SCENE, named
 
@@ -85,9 +86,10 @@ async def test_canonical_form_is_its_own_canonical_form(client: httpx.AsyncClien
 
 async def test_device_tells_what_renders_and_what_is_allowed(client: httpx.AsyncClient) -> None:
     device = (await client.get("/v1/device")).json()
-    assert device["platform"] == "fake"
+    assert (device["platform"], device["device"]) == ("Fake", "none")
+    assert device["version"] == __version__
     assert device["limits"] == {
-        "body_bytes": 100_000,
+        "body_bytes": 2_000_000,
         "quadrics": 100,
         "pixels": 5_000,
         "queue": 32,
@@ -184,10 +186,10 @@ async def test_a_declared_length_beyond_the_limit_is_refused_before_the_body_is_
         read.append(1)
         yield b"{}"
 
-    headers = {**JSON, "Content-Length": "100001"}
+    headers = {**JSON, "Content-Length": "2000001"}
     response = await client.post("/v1/render", content=body(), headers=headers)
     problem = assert_problem(response, 413, "limit")
-    assert (problem["limit"], problem["asked"]) == (100_000, 100_001)
+    assert (problem["limit"], problem["asked"]) == (2_000_000, 2_000_001)
     assert not read
 
 
@@ -197,11 +199,11 @@ async def test_a_chunked_body_is_refused_as_soon_as_it_passes_the_limit(client: 
     async def body() -> AsyncIterator[bytes]:
         nonlocal chunks
         for chunks in range(1, 1000):  # noqa: B007  # counted from outside
-            yield b" " * 10_000
+            yield b" " * 200_000
 
     response = await client.post("/v1/render", content=body(), headers=JSON)
     problem = assert_problem(response, 413, "limit")
-    assert problem["limit"] == 100_000 < problem["asked"]
+    assert problem["limit"] == 2_000_000 < problem["asked"]
     assert chunks <= 12  # eleven pass the limit, one more may be on its way
 
 

@@ -1,0 +1,17 @@
+"""Every malformed document is answered with a 4xx problem that names its place, by both routes that read one."""
+
+import httpx
+import pytest
+
+from tests.malformed import CASES, Case
+from tests.service.test_http import JSON, SCENE_ROUTES, assert_problem
+
+pytestmark = pytest.mark.anyio
+
+
+@pytest.mark.parametrize("path", SCENE_ROUTES)
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+async def test_a_malformed_document_is_a_problem_at_its_place(client: httpx.AsyncClient, path: str, case: Case) -> None:
+    response = await client.post(path, content=case.body, headers=JSON)
+    problem = assert_problem(response, 400 if case.code == "scene-json" else 422, case.code)
+    assert [(error["pointer"], error["code"]) for error in problem["errors"]] == [(case.pointer, case.code)]
