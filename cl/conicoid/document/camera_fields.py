@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from conicoid.document.camera import focal_from_angle, focal_from_height, is_across
 from conicoid.document.kinds import Word
 from conicoid.document.numeric import Numbers
+from conicoid.document.problems import show, show_numbers
 from conicoid.document.quadric_fields import IDENTITY
 from conicoid.document.records import Field, Record, Relation
 from conicoid.document.rules import AFFINE, CROP, NONZERO_DIRECTION, RIGID
@@ -29,7 +30,7 @@ def _finite_focal(key: str, size: str, focal: Callable[[NDArray[np.int64], Float
         (size, key),
         lambda pixels, value: np.isfinite(focal(pixels, value)),
         at=key,
-        message=lambda _, value: f"{value} is too small: the focal length overflows; give a larger {key}",
+        message=lambda _, value: f"{show(value)} is too small: the focal length overflows; give a larger {key}",
     )
 
 
@@ -38,7 +39,9 @@ def _crop_inside(size: str, end: int) -> Relation:
         ("crop", size),
         lambda crops, sizes: crops[:, end] <= sizes,
         at="crop",
-        message=lambda crop, pixels: f"{crop} reaches beyond the image's {size} of {pixels}; give a window inside it",
+        message=lambda crop, pixels: (
+            f"{show_numbers(crop)} reaches beyond the image's {size} of {pixels}; give a window inside it"
+        ),
     )
 
 
@@ -59,13 +62,15 @@ _LOOK_AT: Final = Record(
             ("eye", "target"),
             lambda eye, target: (eye != target).any(axis=1),
             at="target",
-            message=lambda _, target: f"{target} is the eye itself; give a target away from it",
+            message=lambda _, target: f"{show_numbers(target)} is the eye itself; give a target away from it",
         ),
         Relation(
             ("eye", "target", "up"),
             lambda eye, target, up: (eye == target).all(axis=1) | is_across(eye, target, up),
             at="up",
-            message=lambda *values: f"{values[2]} is parallel to the view, or as good as; give an up across it",
+            message=lambda *values: (
+                f"{show_numbers(values[2])} is parallel to the view, or as good as; give an up across it"
+            ),
         ),
     ),
 )
@@ -111,7 +116,7 @@ def _record(noun: str, lens: dict[str, Field], choices: tuple[tuple[str, ...], .
                 ("near", "far"),
                 lambda near, far: near <= far,
                 at="far",
-                message=lambda near, far: f"{far} is before near, {near}; give far >= near",
+                message=lambda near, far: f"{show(far)} is before near, {show(near)}; give far >= near",
             ),
             _crop_inside("width", 2),
             _crop_inside("height", 3),

@@ -60,6 +60,11 @@ def show(value: Any) -> str:
     return shown if len(shown) <= _LONGEST else f"{shown[:_LONGEST]}..."
 
 
+def show_numbers(values: list[Any]) -> str:
+    """A list of numbers as a message shows it: all of them."""
+    return f"[{', '.join(map(show, values))}]"
+
+
 def unlike(value: Any, wanted: str) -> str:
     """What a value of the wrong type is and is not: `"1" is a string, not a number`."""
     return f"{show(value)} is a string, not {wanted}" if isinstance(value, str) else f"{show(value)} is not {wanted}"

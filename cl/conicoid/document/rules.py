@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.document.determinant import determinant_sign
+from conicoid.document.problems import show, show_numbers
 from conicoid.scene import Floats
 
 
@@ -55,7 +56,7 @@ def _nearly_orthonormal(matrix: Floats) -> bool:
 def _asymmetry(matrix: list[list[float]]) -> str:
     i, j = next((i, j) for i in range(4) for j in range(i) if matrix[i][j] != matrix[j][i])
     return (
-        f"not symmetric: entry [{j}][{i}] is {matrix[j][i]}, entry [{i}][{j}] is {matrix[i][j]}; "
+        f"not symmetric: entry [{j}][{i}] is {show(matrix[j][i])}, entry [{i}][{j}] is {show(matrix[i][j])}; "
         "give both halves alike, each the half of its coefficient in f"
     )
 
@@ -80,7 +81,9 @@ NONZERO_FORM: Final = Rule(_nonzero, lambda _: "all zero is not a surface; give 
 SYMMETRIC: Final = Rule(lambda matrices: (matrices == matrices.transpose(0, 2, 1)).all(axis=(1, 2)), _asymmetry)
 AFFINE: Final = Rule(
     lambda matrices: (matrices[:, 3] == (0, 0, 0, 1)).all(axis=1),
-    lambda matrix: f"{matrix[3]} is not [0, 0, 0, 1]; give an affine matrix in rows, the translation last in each",
+    lambda matrix: (
+        f"{show_numbers(matrix[3])} is not [0, 0, 0, 1]; give an affine matrix in rows, the translation last in each"
+    ),
     within="[3]",
     schema={"allOf": [{"prefixItems": [{}, {}, {}, {"const": [0, 0, 0, 1]}]}]},
 )
@@ -90,7 +93,7 @@ INVERTIBLE: Final = Rule(
 )
 VERSION: Final = Rule(
     lambda versions: versions == 1,
-    lambda version: f"version {version} of the format is not read by this version; give 1",
+    lambda version: f"version {show(version)} of the format is not read by this version; give 1",
     schema={"const": 1},
     code="scene-unsupported",
 )
@@ -103,9 +106,9 @@ RIGID: Final = Rule(
 )
 ASCENDING: Final = Rule(
     lambda ranges: ranges[:, 0] <= ranges[:, 1],
-    lambda ends: f"{ends} runs backwards; give [z0, z1] with z0 <= z1",
+    lambda ends: f"{show_numbers(ends)} runs backwards; give [z0, z1] with z0 <= z1",
 )
 CROP: Final = Rule(
     lambda crops: (crops[:, 0] < crops[:, 2]) & (crops[:, 1] < crops[:, 3]),
-    lambda crop: f"{crop} is empty; give [x0, y0, x1, y1] with x0 < x1 and y0 < y1",
+    lambda crop: f"{show_numbers(crop)} is empty; give [x0, y0, x1, y1] with x0 < x1 and y0 < y1",
 )
