@@ -90,7 +90,7 @@ class Client:
         if precision is not None:
             body = with_precision(body, precision)
         headers = {} if etag is None else {"If-None-Match": etag}
-        response = self._send("POST", "/v1/render", content=body, headers=headers)
+        response = self._send("POST", "/v1/render", "image/x-exr", content=body, headers=headers)
         if response.status_code == httpx.codes.NOT_MODIFIED:
             return None
         return Rendering(
@@ -101,19 +101,11 @@ class Client:
 
     def canonical(self, scene: Scene) -> bytes:
         """The scene's canonical form: everything resolved, every default filled in, as JSON text."""
-        return self._send("POST", "/v1/canonical", content=_json(scene)).content
+        return self._send("POST", "/v1/canonical", "application/json", content=_json(scene)).content
 
     def device(self) -> dict[str, Any]:
         """What the service renders with: platform, device, limits, version."""
-        response = self._send("GET", "/v1/device")
-        try:
-            answer = response.json()
-        except ValueError:
-            answer = None
-        if not isinstance(answer, dict):
-            raise ProblemError(
-                response.status_code, "http-not-json", "the answer is not a JSON object; is this Conicoid?"
-            )
+        answer: dict[str, Any] = self._send("GET", "/v1/device", "application/json").json()
         return answer
 
     def close(self) -> None:
@@ -129,8 +121,15 @@ class Client:
         self.close()
 
     def _send(
-        self, method: str, path: str, *, content: bytes | None = None, headers: Mapping[str, str] | None = None
+        self,
+        method: str,
+        path: str,
+        media_type: str,
+        *,
+        content: bytes | None = None,
+        headers: Mapping[str, str] | None = None,
     ) -> httpx.Response:
+        """One request, repeated while the service asks for that; the answer is of `media_type`, or a bare 304."""
         headers = {**(headers or {}), **({} if content is None else {"Content-Type": "application/json"})}
         for attempt in range(self._retries + 1):
             try:
@@ -138,13 +137,16 @@ class Client:
             except httpx.HTTPError as error:
                 reason = str(error) or type(error).__name__
                 raise Unreachable(f"no answer from {self._http.base_url}: {reason}") from error
-            if response.is_success or response.status_code == httpx.codes.NOT_MODIFIED:
-                return response
             wait_s = _retry_after(response)
             if wait_s is None or wait_s > _LONGEST_WAIT_S or attempt == self._retries:
                 break
             time.sleep(wait_s)
-        raise _problem(response)
+        if not response.is_success and response.status_code != httpx.codes.NOT_MODIFIED:
+            raise _problem(response)
+        if response.is_success and response.headers.get("Content-Type", "").partition(";")[0] != media_type:
+            detail = f"the answer from {self._http.base_url} is not {media_type}; is this a Conicoid service?"
+            raise ProblemError(response.status_code, "http-media-type", detail)
+        return response
 
 
 def _json(scene: Scene) -> bytes:

@@ -73,5 +73,15 @@ def write(target: str, data: bytes) -> None:
         raise
 
 
+def say(text: str) -> None:
+    """Print a command's result on standard output.
+
+    Raises:
+        OSError: it is closed, full, or nobody reads it.
+    """
+    check_writable(STANDARD)
+    print(text, flush=True)
+
+
 def _replaceable(path: Path) -> bool:
     return not path.exists() or stat.S_ISREG(path.stat().st_mode)

@@ -1,7 +1,7 @@
 """The client library against answers made up here."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import httpx
 import pytest
@@ -20,6 +20,10 @@ def problem(status: int, **members: object) -> httpx.Response:
     return httpx.Response(status, headers=headers, content=json.dumps({"status": status, **members}))
 
 
+def exr(content: bytes = b"", headers: Mapping[str, str] | None = None) -> httpx.Response:
+    return httpx.Response(200, content=content, headers={"Content-Type": "image/x-exr", **(headers or {})})
+
+
 @pytest.fixture
 def naps(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """The waits that were asked for; none of them is waited."""
@@ -33,9 +37,7 @@ def test_render_sends_the_text_as_it_is_and_reads_what_comes_back() -> None:
         assert (request.method, request.url.path) == ("POST", "/v1/render")
         assert request.headers["Content-Type"] == "application/json"
         assert request.content == b'{"conicoid":  1}'
-        return httpx.Response(
-            200, content=b"exr", headers={"ETag": '"tag"', "Server-Timing": "cast;dur=4.1, encode;dur=97, odd;desc=x"}
-        )
+        return exr(b"exr", {"ETag": '"tag"', "Server-Timing": "cast;dur=4.1, encode;dur=97, odd;desc=x"})
 
     rendering = client(answer).render(b'{"conicoid":  1}')
     assert (rendering.exr, rendering.etag) == (b"exr", '"tag"')
@@ -45,19 +47,19 @@ def test_render_sends_the_text_as_it_is_and_reads_what_comes_back() -> None:
 def test_a_mapping_is_sent_as_json_with_the_precision_asked_for() -> None:
     def answer(request: httpx.Request) -> httpx.Response:
         assert json.loads(request.content) == {"conicoid": 1, "output": {"precision": "float32"}}
-        return httpx.Response(200)
+        return exr()
 
     client(answer).render({"conicoid": 1}, precision="float32")
 
 
 def test_not_a_number_is_refused_before_it_is_sent() -> None:
     with pytest.raises(ValueError, match="JSON"):
-        client(lambda _: httpx.Response(200)).render({"conicoid": float("nan")})
+        client(lambda _: exr()).render({"conicoid": float("nan")})
 
 
 def test_a_rendering_that_is_still_current_is_none() -> None:
     def answer(request: httpx.Request) -> httpx.Response:
-        return httpx.Response(304 if request.headers.get("If-None-Match") == '"tag"' else 200, content=b"new")
+        return httpx.Response(304) if request.headers.get("If-None-Match") == '"tag"' else exr(b"new")
 
     assert client(answer).render(b"{}", etag='"tag"') is None
     changed = client(answer).render(b"{}", etag='"other"')
@@ -103,7 +105,7 @@ def test_an_error_that_is_not_problem_json_is_still_readable(body: bytes) -> Non
 
 @pytest.mark.parametrize("status", [429, 503])
 def test_a_busy_service_is_asked_again_when_it_says_so(status: int, naps: list[float]) -> None:
-    answers = iter([problem(status), httpx.Response(200, content=b"exr")])
+    answers = iter([problem(status), exr(b"exr")])
     first = next(answers)
     first.headers["Retry-After"] = "3"
     remaining = iter([first, *answers])
@@ -156,6 +158,9 @@ def test_an_address_that_is_not_one_is_refused_at_once(url: str) -> None:
         Client(url)
 
 
-def test_a_server_that_is_something_else_is_not_taken_for_a_device() -> None:
-    with pytest.raises(ProblemError, match="is this Conicoid"):
-        client(lambda _: httpx.Response(200, content=b"<html>")).device()
+@pytest.mark.parametrize("headers", [{}, {"Content-Type": "text/html; charset=utf-8"}])
+def test_a_server_that_is_something_else_is_not_taken_for_conicoid(headers: dict[str, str]) -> None:
+    other = client(lambda _: httpx.Response(200, content=b"<html>", headers=headers))
+    for call in (lambda: other.render(b"{}"), lambda: other.canonical(b"{}"), other.device):
+        with pytest.raises(ProblemError, match="is this a Conicoid service"):
+            call()

@@ -11,11 +11,12 @@ from conicoid_client.precision import with_precision
 
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
-    lambda children: st.lists(children) | st.dictionaries(st.text(), children),
+    lambda children: st.lists(children, max_size=3) | st.dictionaries(st.text(), children, max_size=3),
+    max_leaves=6,
 )
-OUTPUTS = st.dictionaries(st.text() | st.just("precision"), VALUES)
-DOCUMENTS = st.dictionaries(st.text(), VALUES) | st.builds(
-    lambda rest, output: {**rest, "output": output}, st.dictionaries(st.text(), VALUES), OUTPUTS
+OUTPUTS = st.dictionaries(st.text() | st.just("precision"), VALUES, max_size=3)
+DOCUMENTS = st.dictionaries(st.text(), VALUES, max_size=3) | st.builds(
+    lambda rest, output: {**rest, "output": output}, st.dictionaries(st.text(), VALUES, max_size=3), OUTPUTS
 )
 
 

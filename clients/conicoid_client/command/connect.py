@@ -5,7 +5,8 @@ import logging
 import os
 from typing import TYPE_CHECKING
 
-from conicoid_client.command.report import Failure
+from conicoid_client.command.report import Failure, UsageError
+from conicoid_client.errors import ClientError
 
 if TYPE_CHECKING:
     from conicoid_client.client import Client
@@ -33,7 +34,10 @@ def connect(options: argparse.Namespace) -> "Client":
     from conicoid_client.client import Client
 
     if (address := server(options)) is not None:
-        return Client(address)
+        try:
+            return Client(address)
+        except ClientError as error:
+            raise UsageError(str(error)) from None
     from conicoid_client.local import LocalTransport
     from conicoid_service.app import create_app
 

@@ -6,7 +6,8 @@ import subprocess
 import sys
 from typing import Any
 
-from conicoid_client.command.connect import server
+from conicoid_client import files
+from conicoid_client.command.connect import connect, server
 from conicoid_client.command.report import Failure
 
 # In a process of its own: a broken driver can abort the process that asks.
@@ -19,15 +20,13 @@ print(json.dumps({"devices": [device.as_dict() for device in list_devices()], "h
 
 def run(options: argparse.Namespace) -> None:
     """List the devices of this machine, or ask a service for its own."""
-    if (address := server(options)) is not None:
-        from conicoid_client.client import Client
-
-        with Client(address) as client:
+    if server(options) is not None:
+        with connect(options) as client:
             found = client.device()
-        print(json.dumps(found, indent=2) if options.json else "\n".join(_tree(found)))
+        files.say(json.dumps(found, indent=2) if options.json else "\n".join(_tree(found)))
         return
     devices = _devices_here()
-    print(json.dumps(devices, indent=2) if options.json else "\n".join(map(_paragraph, devices)))
+    files.say(json.dumps(devices, indent=2) if options.json else "\n".join(map(_paragraph, devices)))
 
 
 def _devices_here() -> list[dict[str, Any]]:

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> None:
     except exr.ExrError as error:
         raise Failure(f"{options.image}: {error}") from None
     facts = {"file": options.image, "bytes": len(data), **describe(image)}
-    print(json.dumps(facts, indent=2) if options.json else "\n".join(_text(facts)))
+    files.say(json.dumps(facts, indent=2) if options.json else "\n".join(_text(facts)))
 
 
 def describe(image: ExrImage) -> dict[str, Any]:

@@ -26,19 +26,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parser().parse_args(arguments)
         run: Callable[[argparse.Namespace], None] = import_module(f"conicoid_client.command.{options.command}").run
         run(options)
-        if sys.stdout is not None:
-            sys.stdout.flush()
     except BrokenPipeError:
-        # Whoever read our output has gone; a second complaint at interpreter exit helps nobody.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read our output has gone; there is nobody to tell.
+        _abandon_output()
         return FAILED
     except KeyboardInterrupt:
         return INTERRUPTED
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else FAILED
     except Exception as error:  # noqa: BLE001 -- a traceback is a defect, whatever happened
+        _abandon_output()
         return BAD_INPUT if report(error) else FAILED
     return DONE
+
+
+def _abandon_output() -> None:
+    """Drop what standard output did not take: the interpreter would try, and complain, once more at its end."""
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _terminate(_signal: int, _frame: object) -> NoReturn:

@@ -1,7 +1,9 @@
 """`conicoid serve`: the HTTP service, in the foreground."""
 
 import argparse
+import signal
 import socket
+import sys
 
 from conicoid_client.command.connect import settings
 from conicoid_client.command.report import Failure
@@ -12,6 +14,12 @@ def run(options: argparse.Namespace) -> None:
     listener = _listen(options.host, options.port)
     from conicoid_service.server import serve
 
+    host, port = listener.getsockname()[:2]
+    if sys.stderr is not None:
+        print(f"serving http://{f'[{host}]' if ':' in host else host}:{port}", file=sys.stderr, flush=True)
+    # An orderly stop is success: the server stops on these by itself, then sends itself the same signal once more.
+    for ending in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(ending, lambda *_: None)
     if not serve(settings=settings(), listener=listener):
         raise Failure("the service did not start; its log above says why")
 
