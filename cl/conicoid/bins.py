@@ -59,6 +59,19 @@ class Binning:
         place = (end - counts).astype(np.int32)
         entries = self._queue.empty(4 * int(end[-1]))
         if len(box):
-            self._queue.run_grid(self._fill, (rows, 1), np.int32(len(box)), self._queue.read_only(tiles),
-                                 np.int32(columns), self._queue.in_place(place), entries)  # fmt: skip
+            row_start, slots = _by_row(tiles, rows)
+            self._queue.run_grid(self._fill, (rows, 1), self._queue.read_only(row_start),
+                                 self._queue.read_only(slots), self._queue.read_only(tiles), np.int32(columns),
+                                 self._queue.in_place(place), entries)  # fmt: skip
         return Bins((x0, y0), columns, rows, end.astype(np.int32), entries)
+
+
+def _by_row(tiles: NDArray[np.int32], rows: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The slots that touch each row of tiles, in order: where each row begins, and all rows' slots."""
+    heights = tiles[:, 3] - tiles[:, 1]
+    slots = np.repeat(np.arange(len(tiles), dtype=np.int32), heights)
+    first = np.cumsum(heights) - heights
+    row = (np.arange(len(slots)) - np.repeat(first - tiles[:, 1], heights)).astype(np.uint16)
+    starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
+    # A stable sort of uint16 is a radix sort.
+    return starts, slots[np.argsort(row, kind="stable")]

@@ -11,7 +11,8 @@ from conicoid.bins import Binning
 from conicoid.cast import Caster
 from conicoid.device import describe, find_device
 from conicoid.memory import Queue
-from conicoid.scene import Scene
+from conicoid.probe import check_arithmetic
+from conicoid.scene import Camera, Output, Precision, Quadrics, Scene
 from conicoid.setup import Setup
 from conicoid.view import view_of
 
@@ -41,14 +42,18 @@ class Renderer:
     Args:
         device: part of "platform name version device"; None reads `CONICOID_DEVICE`.
     Raises:
-        DeviceError: there is no such device.
+        DeviceError: there is no such device, or its arithmetic is not to be trusted.
         KernelError: a kernel did not build.
     """
 
     def __init__(self, device: str | None = None) -> None:
         queue = Queue(find_device(device))
+        check_arithmetic(queue)
         self.device = describe(queue.device)
         self._setup, self._binning, self._caster = Setup(queue), Binning(queue), Caster(queue)
+        # PoCL compiles a kernel for its launch shape at the first launch: not at the user's.
+        for precision in ("float64", "float32"):
+            self.render(_warm_up_scene(precision))
 
     def render(self, scene: Scene) -> Frame:
         """Cast every pixel of the crop."""
@@ -63,6 +68,20 @@ class Renderer:
         planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}
         end = time.perf_counter()
         return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start))
+
+
+def _warm_up_scene(precision: Precision) -> Scene:
+    """A sphere twice, once clipped, in one tile: launches every kernel once."""
+    quadrics = Quadrics(
+        shape=np.zeros(2, dtype=np.uint8), radii=np.ones((2, 3)), matrix_row=np.full(2, -1, dtype=np.int32),
+        matrix=np.empty((0, 4, 4)), world_from_object=np.tile(np.eye(3, 4), (2, 1, 1)),
+        id=np.ones(2, dtype=np.uint32), z_range=np.tile([-np.inf, np.inf], (2, 1)), capped=np.zeros(2, dtype=np.bool_),
+        clip=np.array([[0.0, 0.0, 1.0, 0.0]]), clip_start=np.array([0, 0, 1], dtype=np.int32), name={},
+    )  # fmt: skip
+    pose = np.eye(4)
+    pose[2, 3] = 4
+    camera = Camera("pinhole", 16, 16, 16.0, 16.0, 8.0, 8.0, pose, 0.0, np.inf, (0, 0, 16, 16))
+    return Scene(quadrics, camera, Output(channels=("Z", "N"), precision=precision))
 
 
 def _tighten(

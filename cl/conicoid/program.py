@@ -31,7 +31,9 @@ def build(
         with warnings.catch_warnings():
             # PoCL writes remarks to the build log of programs that build.
             warnings.simplefilter("ignore", pyopencl.CompilerWarning)
-            return pyopencl.Program(context, "".join(parts)).build(options, cache_dir=False)
+            program: pyopencl.Program = pyopencl.Program(context, "".join(parts)).build(options)
+            return program
     except pyopencl.RuntimeError as error:
         log = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
-        raise KernelError(f"{', '.join(files)} did not build with {' '.join(options) or 'no options'}:\n{log}") from None
+        asked = f"{', '.join(files)} with {' '.join(options) or 'no options'}"
+        raise KernelError(f"the compiler refused {asked}:\n{log}") from None

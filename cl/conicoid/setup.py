@@ -32,6 +32,13 @@ def _shape_forms() -> Floats:
     return forms
 
 
+def _scaled(matrix: Floats) -> Floats:
+    """Each (4, 4) form times the power of two that brings its largest entry into [1/2, 1): the same surface."""
+    exponent = np.frexp(np.abs(matrix).max(axis=(1, 2), initial=0))[1]
+    scaled: Floats = np.ldexp(matrix, -exponent[:, None, None])
+    return scaled
+
+
 @dataclass(frozen=True)
 class Visible:
     """The quadrics a frame can see, in depth order ("slots"), and their records on the device.
@@ -70,10 +77,7 @@ class Setup:
     def run(self, quadrics: Quadrics, camera: Camera, view: View, *, want_back: bool) -> Visible:
         """Bounds every quadric, drops what cannot be seen, and sets up the rest.
 
-        Args:
-            quadrics: the scene.
-            camera, view: the frame.
-            want_back: the farthest hit is asked too, which simple records do not have.
+        With `want_back` the farthest hit is asked too, which simple records do not have.
         """
         queue = self._queue
         world = queue.read_only(quadrics.world_from_object)
@@ -91,8 +95,8 @@ class Setup:
 
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
         target = queue.read_only(view.target)
-        simple = queue.empty(SIMPLE_BYTES * np.count_nonzero(is_simple))
-        general = queue.empty(GENERAL_BYTES * np.count_nonzero(~is_simple))
+        simple = queue.empty(SIMPLE_BYTES * int(np.count_nonzero(is_simple)))
+        general = queue.empty(GENERAL_BYTES * int(np.count_nonzero(~is_simple)))
         clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
         orthographic = np.int32(view.orthographic)
         if is_simple.any():
@@ -103,7 +107,7 @@ class Setup:
             rows = seen[~is_simple]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
                       queue.read_only(quadrics.shape), self._forms, queue.read_only(quadrics.matrix_row),
-                      queue.read_only(quadrics.matrix), queue.read_only(quadrics.z_range),
+                      queue.read_only(_scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
                       queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
                       queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic, target,
                       general)  # fmt: skip

@@ -36,6 +36,7 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
     linear b = move_linear(r->b, du, dv);
     int y0 = max(box.y - v0, 0), y1 = min(box.w - v0, TILE);
     int c0 = max(box.x - u0, 0) / LANES, c1 = min((box.z - u0 + LANES - 1) / LANES, VECTORS);
+    const real slack = (real)(1 - 0x1p-20);
     int improved = 0;
     for (int y = y0; y < y1; y++) {
         real py = y + (real)0.5 - half_tile;
@@ -45,11 +46,15 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
         for (int c = c0; c < c1; c++) {
             reals x = ramp + (real)(c * LANES);
             reals at = (s.uu * x + s_slope) * x + s_row;
-            if (!some(at >= 0))
+            int cell = y * VECTORS + c;
+            // key > best needs sqrt(S) > best - b: squared, this spares the root of what is hidden. The slack keeps
+            // every key that could still tie.
+            reals lead = b.u * x + b_row;
+            reals needed = (tile->key[cell] - lead) * slack;
+            if (!some((at >= 0) & ((needed <= 0) | (at >= needed * needed))))
                 continue;
             reals root = sqrt(at);
-            reals key = (b.u * x + b_row) + root;
-            int cell = y * VECTORS + c;
+            reals key = lead + root;
             // NaN keys, of negative S, compare false.
             if (some(key >= tile->key[cell]))
                 improved |= offer(tile, cell, key, root, (mask)(0), slot, document_order);
