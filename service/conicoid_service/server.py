@@ -1,6 +1,8 @@
 """Serving the application over HTTP."""
 
+import signal
 import socket
+import threading
 
 import uvicorn
 
@@ -42,5 +44,9 @@ def serve(
         server_header=False,
     )
     server = uvicorn.Server(config)
+    if threading.current_thread() is threading.main_thread():
+        # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.
+        for ending in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(ending, lambda *_: None)
     server.run(sockets=None if listener is None else [listener])
     return server.started

@@ -62,14 +62,14 @@ async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.A
 
 
 def descriptors() -> set[str]:
-    """What this process holds open that a child or a blob may have left: sockets, pipes, anonymous files."""
+    """What this process holds open that a child or a blob may have left: sockets, anonymous files."""
     held = set()
     for entry in Path("/proc/self/fd").iterdir():
         try:
             target = str(entry.readlink())
         except FileNotFoundError:
             continue  # the listing's own descriptor
-        if target.startswith(("/memfd:conicoid", "socket:", "pipe:")):
+        if target.startswith(("/memfd:conicoid", "socket:")):
             held.add(target)
     return held
 
