@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -92,7 +93,7 @@ class Record:
             return None
         columns = {}
         for key in keys:
-            columns[key] = self.fields[key].kind.column([each[key] for each in objects])
+            columns[key] = self.fields[key].kind.column(list(map(itemgetter(key), objects)))
             if columns[key] is None:
                 return None
         for relation in self.relations:

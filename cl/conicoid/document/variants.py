@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -48,29 +49,17 @@ class Variants:
         """The objects in groups, the group of the first object first."""
         if not set(map(type, values)) <= {dict}:
             return None
+        words = [value.get(self.tag, self.default) for value in values]
+        if Word(tuple(self.records)).column(words) is None:
+            return None
         groups = []
-        for variant, index in self._same_keys(values):
-            if variant not in self.records:
-                return None
-            columns = self.records[variant].columns([values[i] for i in index])
+        for index in _same(words, values):
+            variant = words[index[0]]
+            columns = self.records[variant].columns([values[i] for i in index.tolist()])
             if columns is None:
                 return None
-            groups.append(Group(variant, np.array(index, dtype=np.int64), columns))
+            groups.append(Group(variant, index, columns))
         return groups
-
-    def _same_keys(self, objects: list[dict[str, Any]]) -> Iterator[tuple[str, list[int]]]:
-        """The word and the positions of the objects that share it and their keys, whatever the order of the keys."""
-        by_order: dict[tuple[str, ...], list[int]] = {}
-        for i, keys in enumerate(map(tuple, objects)):
-            by_order.setdefault(keys, []).append(i)
-        by_word: dict[tuple[str, frozenset[str]], list[int]] = {}
-        for order, index in by_order.items():
-            key_set = frozenset(order)
-            for i in index:
-                word = objects[i].get(self.tag, self.default)
-                by_word.setdefault((word if isinstance(word, str) else "", key_set), []).append(i)
-        for (word, _), index in sorted(by_word.items(), key=lambda item: min(item[1])):
-            yield word, sorted(index)
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Not an object, no word or a wrong one, or what its record finds."""
@@ -105,6 +94,21 @@ class Variants:
         else:
             schema["required"] = [self.tag, *(key for key in record.required if key != self.tag)]
         return schema
+
+
+def _same(words: list[str], objects: list[dict[str, Any]]) -> list[NDArray[np.int64]]:
+    """Positions of the objects that share their word and their keys, whatever the order of the keys."""
+    # Each object is labelled by the first one like it, without a step of Python per object.
+    first: dict[tuple[str, tuple[str, ...]], int] = {}
+    likes = map(first.setdefault, zip(words, map(tuple, objects), strict=True), count())
+    labels = np.fromiter(likes, np.int64, len(objects))
+    relabelled = np.arange(len(objects))
+    unordered: dict[tuple[str, frozenset[str]], int] = {}
+    for (word, keys), label in first.items():
+        relabelled[label] = unordered.setdefault((word, frozenset(keys)), label)
+    labels = relabelled[labels]
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1) if len(order) else []
 
 
 @dataclass(frozen=True)
