@@ -6,6 +6,7 @@ import signal
 import socket
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from conicoid.errors import ConicoidError, LimitError, SceneError
 from conicoid_service.blob import Blob
@@ -29,23 +30,25 @@ def serve(start: Start, arguments: Sequence[str]) -> None:
     """
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s")
     _die_with_parent()
-    channel = Channel(socket.socket(fileno=int(arguments[0])))
+    with socket.socket(fileno=int(arguments[0])) as connection, suppress(EOFError, BrokenPipeError):
+        # The end of the work is the parent's end of the socket: closed, or gone with the parent.
+        _converse(Channel(connection), start)
+
+
+def _converse(channel: Channel, start: Start) -> None:
+    configuration, _ = channel.receive()
     try:
-        configuration, _ = channel.receive()
-        try:
-            handler, hello = start(configuration)
-        except ConicoidError as error:
-            channel.send(failure(error))
-            return
-        channel.send({"ready": hello})
-        while True:
-            _answer(channel, handler, *channel.receive())
-    except (EOFError, BrokenPipeError):
-        return  # the parent is gone or has no more work
+        handler, hello = start(configuration)
+    except ConicoidError as error:
+        channel.send(failure(error))
+        return
+    channel.send({"ready": hello})
+    while True:
+        _answer(channel, handler, *channel.receive())
 
 
 def failure(error: ConicoidError) -> Message:
-    """An error as a message, which `problems.reported` turns into an exception again."""
+    """An error as a message, which `ReportedError.from_report` makes an exception again."""
     report: Message = {"code": error.code, "detail": str(error)}
     if isinstance(error, SceneError):
         report["problems"] = [[problem.pointer, problem.message, problem.code] for problem in error.problems]
