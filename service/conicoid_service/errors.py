@@ -1,6 +1,7 @@
 """Every error that the service itself raises, on one page; `docs/errors.md` explains the codes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
 
 from conicoid.errors import ConicoidError, Problem
 
@@ -91,3 +92,9 @@ class ReportedError(ServiceError):
         self.code = code
         self.problems = tuple(problems)
         self.limit, self.asked = limit, asked
+
+    @classmethod
+    def from_report(cls, report: Mapping[str, Any]) -> Self:
+        """The error that `worker.failure` made a message of."""
+        problems = [Problem(*problem) for problem in report.get("problems", ())]
+        return cls(report["code"], report["detail"], problems, report.get("limit"), report.get("asked"))

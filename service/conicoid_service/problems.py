@@ -21,6 +21,7 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "media-type": (415, "Unsupported media type"),
     "content-encoding": (415, "Unsupported content encoding"),
     "queue-full": (429, "Too many requests"),
+    "error": (500, "Internal error"),
     "internal": (500, "Internal error"),
     "render-crashed": (500, "Render process crashed"),
     "render-unavailable": (503, "Render process unavailable"),

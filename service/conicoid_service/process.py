@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 
-from conicoid.errors import Problem
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Channel, Message
 from conicoid_service.errors import ReportedError
@@ -92,7 +91,7 @@ class Process:
         except (EOFError, OSError):
             raise ProcessLostError(self.end()) from None
         if "failed" in reply:
-            raise _reported(reply["failed"])
+            raise ReportedError.from_report(reply["failed"])
         return Reply(reply, results)
 
     def interrupt(self) -> None:
@@ -113,13 +112,3 @@ class Process:
     def _kill_session(self) -> None:
         with suppress(ProcessLookupError):  # it ended between the wait and here
             os.killpg(self._popen.pid, signal.SIGKILL)
-
-
-def _reported(report: Message) -> ReportedError:
-    return ReportedError(
-        report["code"],
-        report["detail"],
-        [Problem(*problem) for problem in report.get("problems", ())],
-        report.get("limit"),
-        report.get("asked"),
-    )
