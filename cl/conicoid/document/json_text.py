@@ -63,15 +63,15 @@ def read_fast(body: bytes) -> Any:
 
 
 def _keys(tree: Any) -> int:
-    """Keys of the objects where a scene has objects: anywhere but inside the members of a list."""
+    """Keys of the objects where a scene has objects: nested in objects, or in lists of nothing but objects."""
     keys, pending = 0, [tree]
     while pending:
         value = pending.pop()
         if isinstance(value, dict):
             keys += len(value)
             pending += [inner for inner in value.values() if isinstance(inner, dict | list)]
-        elif isinstance(value, list):
-            keys += sum(len(inner) for inner in value if isinstance(inner, dict))
+        elif isinstance(value, list) and set(map(type, value)) == {dict}:
+            keys += sum(map(len, value))
     return keys
 
 
