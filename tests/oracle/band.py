@@ -10,9 +10,13 @@ is at least a quarter of the sum about the centre of any tile that holds the pix
 with v, s, q the pixel's own. A polynomial costs at most 6 roundings unfused, coefficient included, so binary32
 errs by at most 6·4·2^-24 of `spread`, under 2^-19.4: outside `FLOAT32_BAND` = 2^-18 it decides as the exact image.
 
-Depths are judged by `condition`: the relative error of t per relative error of the polynomials' spreads, 1 + ...;
-the better of c/(-b ∓ √S) and (-b ± √S)/a counts. Where it is large (beside a silhouette, at a root that goes to
-infinity) no evaluation in binary32 has 4 units in the last place.
+Depths are judged by `condition`: the relative error of t per relative error of the spreads, 1 for t's own rounding
+included; the better of c/(-b ∓ √S) and (-b ± √S)/a counts. A unit in the last place of t is at least 2^-24·t, and
+rounding the polynomials' coefficients moves a spread by up to 2^-24 of itself: so `condition` is also how many units
+of depth that alone can cost. Where it is beyond 4 (beside a silhouette, at a root that goes to infinity) no evaluation
+in binary32 promises 4 units. With all roundings, the depth errs by at most 24 times `condition` units.
+
+Normals are judged the same way: c·∇f/t = (c·G₁ - b·G₀) ± √S·G₀ with ∇f = G₀ + t·G₁ (orthographic: a·∇f likewise).
 """
 
 import math
@@ -65,10 +69,10 @@ class _Ray:
         self.spread_s = quadric.s.spread(i, j, HALF)
         varying = quadric.a if is_pinhole else quadric.c
         self.varying, self.spread_varying = varying.at(i, j), varying.spread(i, j, HALF)
-        root = arb(abs(form.s)).sqrt()
-        limit = arb(self.spread_s).sqrt()
-        # A change of the spread moves √S by at most spread/(2√S), and by at most √spread.
-        self.root_change = self.spread_s / (2 * root) if form.s and 2 * root > limit else limit
+        # A relative change of the spread moves √S by spread/(2√S) times it, and by no more than √spread in all.
+        root, limit = arb(abs(form.s)).sqrt(), arb(self.spread_s).sqrt()
+        self.root_slope = self.spread_s / (2 * root) if form.s else (arb.pos_inf() if self.spread_s else arb(0))
+        self.root_change = self.root_slope if 2 * root > limit else limit
 
     def surface(self) -> list[Candidate]:
         a, b, _, s = self.form
@@ -76,14 +80,14 @@ class _Ray:
         found = []
         for hit in surface_roots(self.form):
             kept = is_kept(self.quadric, hit, self.i, self.j)
-            condition = self._condition(hit.t)
-            verdict = self._verdict([*self.quadric.always, *self.quadric.extent], hit, condition)
+            condition = self.condition(hit.t, self.root_slope)
+            verdict = self._verdict([*self.quadric.always, *self.quadric.extent], hit)
             found.append(Candidate(self.quadric.index, hit, kept, min(exists, verdict) if kept else verdict, condition))
         if s < 0:
             ghost = Hit(SURFACE, Surd(-b if a > 0 else b, fmpz(0), fmpz(0), abs(a)), 0)
-            condition = self._condition(ghost.t)
+            condition = self.condition(ghost.t, self.root_slope)
             inside = is_kept(self.quadric, ghost, self.i, self.j)
-            verdict = 0.0 if inside else self._verdict([*self.quadric.always, *self.quadric.extent], ghost, condition)
+            verdict = 0.0 if inside else self._verdict([*self.quadric.always, *self.quadric.extent], ghost)
             found.append(Candidate(self.quadric.index, ghost, False, max(exists, verdict), condition))
         if not a and self.is_pinhole and self.spread_varying:
             # The second root is at infinity; a small change of a brings it to a huge t of either sign.
@@ -112,23 +116,24 @@ class _Ray:
             found.append(Candidate(self.quadric.index, hit, inside and disc_holds, margin, condition))
         return found
 
-    def _condition(self, t: Surd) -> float:
+    def condition(self, t: Surd, root_change: arb) -> float:
         """1 + relative change of t per relative change of the spreads, by the better of the two formulas."""
         depth = t.enclosure(BITS)
         over_a = abs(self.form.a * depth)  # |-b ± √S| of t = (-b ± √S)/a
-        change = self.spread_b + self.root_change
+        change = self.spread_b + root_change
         under_c = abs(self.form.c / depth) if t.r or t.k else arb(0)  # |-b ∓ √S| of t = c/(-b ∓ √S)
         exact_form, other = (under_c, over_a) if self.is_pinhole else (over_a, under_c)
         first = _quotient(change, exact_form)
         second = _quotient(change, other) + _quotient(self.spread_varying, abs(self.varying))
         return 1 + min(first, second)
 
-    def _verdict(self, bounds: list[HalfSpace], hit: Hit, condition: float) -> float:
+    def _verdict(self, bounds: list[HalfSpace], hit: Hit) -> float:
         """Margin of the verdict on t > 0 and the half-spaces: the weakest if all hold, the strongest that fails."""
         side = sign_of_linear(fmpz(0), fmpz(1), hit.t)
         if not side:
             # An eye on the surface: exact wherever it holds at every pixel.
             return 1.0 if self.is_pinhole or not self.spread_varying else 0.0
+        condition = self.condition(hit.t, self.root_change)
         if side < 0:
             return max(1 / condition, self._margin_at_infinity()) if self.is_pinhole else 1 / condition
         holding, failing = [1 / condition], list[float]()
@@ -142,7 +147,8 @@ class _Ray:
         depth = t.enclosure(BITS)
         e_here, g_here = e.at(self.i, self.j), g.at(self.i, self.j)
         value = abs(e_here + g_here * depth)
-        direct = _quotient(value, e.spread(self.i, self.j, HALF) + abs(g_here * depth) * arb(condition))
+        terms = e.spread(self.i, self.j, HALF) + g.spread(self.i, self.j, HALF) * depth * arb(condition)
+        direct = _quotient(value, terms)
         b = self.quadric.linear_b
         if self.is_pinhole:  # (e + g·t)·c/t = c·g - e·b ∓ e√S
             shared, weight = self.form.c, e_here
@@ -182,6 +188,30 @@ class _Ray:
         return max(margins)
 
 
+def normal_condition(quadric: ExactQuadric, is_pinhole: bool, form: RayForm, hit: Hit, i: int, j: int) -> float:
+    """Error of a unit normal's components per relative error of the spreads; 1 on a cap, inf without a gradient."""
+    if hit.kind != SURFACE:
+        return 1.0
+    with ctx.workprec(BITS):
+        ray = _Ray(quadric, is_pinhole, form, i, j)
+        t = hit.t.enclosure(BITS)
+        depth_change = t * arb(ray.condition(hit.t, ray.root_slope))
+        shared = form.c if is_pinhole else form.a
+        direct, formed, squares = arb(0), arb(0), arb(0)
+        for still, moving in zip(*(affine.rows for affine in quadric.gradient), strict=True):
+            value = still.at(i, j) + t * moving.at(i, j)
+            squares += value * value
+            spread = still.spread(i, j, HALF) + moving.spread(i, j, HALF) * depth_change
+            direct = direct.max(spread)
+            weight, varying = (still.one, moving) if is_pinhole else (moving.one, still)
+            terms = zip(varying, quadric.linear_b, strict=True)
+            line = Linear(*(shared * x - weight * b for x, b in terms))
+            formed = formed.max(line.spread(i, j, HALF) + abs(weight) * (arb(form.s).sqrt() + ray.root_slope))
+        length = squares.sqrt()
+        scale = abs(shared / t) if is_pinhole else arb(abs(shared))
+        return min(_quotient(direct, length), _quotient(formed, length * scale))
+
+
 def separation(near: Candidate, far: Candidate) -> float:
     """Relative change of the spreads below which the order of two depths, near.t <= far.t, cannot change.
 
@@ -202,7 +232,7 @@ def _ratio(part: fmpz, whole: fmpz) -> float:
 
 
 def _quotient(part: arb | fmpz, whole: arb | fmpz) -> float:
-    """part/whole as a float; inf where the whole is not clearly positive, 0 for nothing of nothing."""
-    if not arb(whole) > 0:
+    """part/whole as a float; inf where the part is not finite or the whole not clearly positive."""
+    if not arb(whole) > 0 or not arb(part).is_finite():
         return math.inf
     return float((arb(part) / whole).mid())

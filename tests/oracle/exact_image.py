@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.scene import Scene
-from tests.oracle.band import HALF, Candidate, candidates, separation
+from tests.oracle.band import HALF, Candidate, candidates, normal_condition, separation
 from tests.oracle.culling import Culling
 from tests.oracle.exact_quadric import ExactQuadric
 from tests.oracle.hits import Hit, kept_hits, ray_form
@@ -34,6 +34,7 @@ class Truth:
         margin: float64, relative change below which hit, quadric and kind cannot change (see `band`).
         back_margin: the same for which crossing is the last kept hit.
         condition, back_condition: float64, relative error of Z (ZBack) per relative error of the polynomials.
+        normal_condition: float64, error of N's components per relative error of the polynomials.
     """
 
     hit: NDArray[np.bool_]
@@ -49,6 +50,7 @@ class Truth:
     back_margin: NDArray[np.float64]
     condition: NDArray[np.float64]
     back_condition: NDArray[np.float64]
+    normal_condition: NDArray[np.float64]
 
     def reshaped(self, *shape: int) -> "Truth":
         """The same values with their pixels laid out anew."""
@@ -75,8 +77,8 @@ class Oracle:
     def pixels(self, pixels: Sequence[tuple[int, int]]) -> Truth:
         """Exact answers at pixels (column i, row j), in order."""
         rows = [self._pixel(i, j) for i, j in pixels]
-        columns = list(zip(*rows, strict=True)) if rows else [()] * 13
-        dtypes = (bool, np.int32, np.uint32, np.int8, *(np.float32,) * 3, *(np.float64,) * 6)
+        columns = list(zip(*rows, strict=True)) if rows else [()] * 14
+        dtypes = (bool, np.int32, np.uint32, np.int8, *(np.float32,) * 3, *(np.float64,) * 7)
         arrays = [np.array(column, dtype=dtype) for column, dtype in zip(columns, dtypes, strict=True)]
         return Truth(*arrays)
 
@@ -94,7 +96,7 @@ class Oracle:
         if winner is None:
             margin = min((candidate.margin for candidate in near), default=1.0)
             depths = (self._background,) * 3
-            return (False, MISS, 0, MISS, *depths, np.zeros(3), np.zeros(3), margin, margin, 1.0, 1.0)
+            return (False, MISS, 0, MISS, *depths, np.zeros(3), np.zeros(3), margin, margin, 1.0, 1.0, 1.0)
         quadric, first, last = winner
         values = (
             planar_depth(first.t),
@@ -103,7 +105,9 @@ class Oracle:
             normal(self._view, self.scene.output, quadric, first, i, j),
             position(self._view, first.t, i, j),
         )
-        return (True, quadric.index, quadric.id, first.kind, *values, *_margins(winner, near))
+        form = ray_form(quadric, i, j)
+        for_normal = normal_condition(quadric, self._view.is_pinhole, form, first, i, j)
+        return (True, quadric.index, quadric.id, first.kind, *values, *_margins(winner, near), for_normal)
 
 
 def image(scene: Scene) -> Truth:

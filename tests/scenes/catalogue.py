@@ -22,26 +22,33 @@ class SmallScene:
         name: unique, in snake case.
         reason: what would break here first.
         document: the scene, as a user writes it.
+        only_exact: some of its pixels are decided by less than binary64 can tell: `float64` does not promise them.
     """
 
     name: str
     reason: str
     document: Document
+    only_exact: bool = False
 
 
 CATALOGUE: dict[str, SmallScene] = {}
 
 
-def add(name: str, reason: str, document: Document) -> None:
+def add(name: str, reason: str, document: Document, only_exact: bool = False) -> None:
     """Enter one scene."""
     assert name not in CATALOGUE, f"{name} is in the catalogue already"
-    CATALOGUE[name] = SmallScene(name, reason, document)
+    CATALOGUE[name] = SmallScene(name, reason, document, only_exact)
 
 
 def scene(make: Callable[[], Document]) -> Callable[[], Document]:
     """Enter the scene that a function makes: its name, and its docstring as the reason."""
-    assert make.__doc__, make.__name__
-    add(make.__name__, make.__doc__, make())
+    add(make.__name__, make.__doc__ or "", make())
+    return make
+
+
+def only_exact(make: Callable[[], Document]) -> Callable[[], Document]:
+    """Enter a scene with pixels that binary64 cannot decide."""
+    add(make.__name__, make.__doc__ or "", make(), only_exact=True)
     return make
 
 
@@ -51,8 +58,8 @@ def document(quadrics: list[Document], camera: Document, **output: object) -> Do
 
 
 def pinhole(**keys: object) -> Document:
-    """A camera at the origin that sees 3.2 units of height at z = -4; `fx` is 20 pixels."""
-    return {"width": 24, "height": 16, "fx": 20, "fy": 20, **keys}
+    """A camera at the origin that sees 4 units of height at z = -4; its rays are dyadic."""
+    return {"width": 24, "height": 16, "fx": 16, "fy": 16, **keys}
 
 
 def orthographic(**keys: object) -> Document:

@@ -2,7 +2,7 @@
 
 import random
 
-from tests.scenes.catalogue import Document, document, orthographic, pinhole, scene
+from tests.scenes.catalogue import Document, document, only_exact, orthographic, pinhole, scene
 
 BALL = {"shape": "sphere", "center": [0, 0, -4], "radius": 1.5}
 CAN = {"shape": "cylinder", "center": [0, 0, -4], "z_range": [-1, 1], "capped": True}
@@ -28,7 +28,7 @@ def identical_quadrics() -> Document:
     return document([{**BALL, "id": 7}, {**BALL, "id": 3}], pinhole())
 
 
-@scene
+@only_exact
 def one_surface_written_three_ways() -> Document:
     """Sphere, ellipsoid and a matrix times 4 are one surface: the first of them is hit."""
     ellipsoid = {**BALL, "shape": "ellipsoid", "radii": [1.5, 1.5, 1.5]}
@@ -74,7 +74,7 @@ def touching_balls() -> Document:
     return document([BALL, {**BALL, "center": [0, 0, -7]}, {**BALL, "center": [3, 0, -4]}], orthographic())
 
 
-@scene
+@only_exact
 def tangent_rays() -> Document:
     """Parallel rays that touch a ball in one point hit it: closed by convention."""
     camera = orthographic(fx=4, fy=4, cx=12.5, cy=8.5)

@@ -1,6 +1,6 @@
 """What is written: spaces, sides, backgrounds, windows, halves."""
 
-from tests.scenes.catalogue import Document, document, orthographic, pinhole, scene
+from tests.scenes.catalogue import Document, document, only_exact, orthographic, pinhole, scene
 
 QUADRICS: list[Document] = [
     {"shape": "hyperboloid_one_sheet", "radii": [0.5, 0.25, 0.5], "center": [-1, 0, -4], "rotation": [1, 0.25, 0, 1],
@@ -99,7 +99,7 @@ def nothing_in_view() -> Document:
     return document([{"shape": "sphere", "center": [50, 0, -4]}], pinhole())
 
 
-@scene
+@only_exact
 def grazing_normals() -> Document:
     """A normal that is exactly at right angles to the ray takes the outward side, without -0."""
     camera = orthographic(fx=4, fy=4, cx=12.5, cy=8.5)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from tests.scenes.catalogue import Document, document, orthographic, pinhole, scene
+from tests.scenes.catalogue import Document, document, only_exact, orthographic, pinhole, scene
 
 FAR_AWAY = 1e7
 
@@ -66,7 +66,7 @@ def needle() -> Document:
     return document([quadric], pinhole(width=64, height=48, fx=60, fy=60))
 
 
-@scene
+@only_exact
 def needle_through_pixel_centres() -> Document:
     """A needle that rays of one column do hit."""
     quadric = {"shape": "ellipsoid", "radii": [1e-5, 1.5, 1e-5], "center": [0, 0, -4]}

@@ -2,8 +2,10 @@
 
 from tests.scenes.catalogue import PROJECTIONS, Document, add, document, either
 
-# A rotation about no special axis, so that no coefficient vanishes by chance.
-POSE = {"center": [0.1, -0.2, -4], "rotation": [0.3, -0.5, 0.2, 0.8]}
+# A rotation about no special axis and a principal point at no pixel's corner: nothing vanishes by chance.
+POSE = {"center": [0.1, -0.2, -4], "rotation": [0.31, -0.53, 0.17, 0.79]}
+
+OFF_CENTRE = {"cx": 12.3, "cy": 7.9}
 
 SHAPES: dict[str, Document] = {
     "sphere": {"radius": 1.25},
@@ -38,5 +40,5 @@ for shape, parameters in SHAPES.items():
     for projection in PROJECTIONS:
         for bound, (reason, extent, depth_range) in BOUNDS.items():
             quadric = {"shape": shape, **parameters, **POSE, **extent}
-            camera = either(projection, **depth_range)
+            camera = either(projection, **OFF_CENTRE, **depth_range)
             add(f"{shape}_{projection}_{bound}", f"{shape}, {projection}: {reason}", document([quadric], camera))
