@@ -2,6 +2,8 @@
 
 import os
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 AS_ROOT = [] if os.geteuid() == 0 else ["sudo"]
@@ -16,7 +18,7 @@ PODMAN = [
 
 # What a careful farm would set; the limits are explicit because podman's own are above what a CI machine may grant.
 LOCKED_DOWN = [
-    "--rm", "--interactive", "--network=none", "--read-only", "--cap-drop=all", "--security-opt=no-new-privileges",
+    "--network=none", "--read-only", "--cap-drop=all", "--security-opt=no-new-privileges",
     "--ulimit=nofile=1024:1024", "--ulimit=nproc=4096:4096",
 ]  # fmt: skip
 
@@ -31,8 +33,31 @@ def build(context: Path, tag: str, secrets: dict[str, Path]) -> None:
 def run(*arguments: str, image: str, stdin: bytes = b"", entrypoint: str | None = None) -> bytes:
     """Standard output of the image run locked down, without network; its errors go to standard error."""
     start = [] if entrypoint is None else [f"--entrypoint={entrypoint}"]
-    command = [*PODMAN, "run", *LOCKED_DOWN, *start, image, *arguments]
+    command = [*PODMAN, "run", "--rm", "--interactive", *LOCKED_DOWN, *start, image, *arguments]
     return subprocess.run(command, input=stdin, stdout=subprocess.PIPE, check=True).stdout
+
+
+@contextmanager
+def started(image: str) -> Iterator[str]:
+    """The id of a container that runs the image's own command; it is removed in the end, however that comes."""
+    command = [*PODMAN, "run", "--detach", *LOCKED_DOWN, image]
+    container = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    try:
+        yield container
+    finally:
+        subprocess.run([*PODMAN, "rm", "--force", container], stdout=subprocess.DEVNULL, check=True)
+
+
+def execute(container: str, *command: str) -> subprocess.CompletedProcess[bytes]:
+    """A command inside a started container, whatever its exit status."""
+    return subprocess.run([*PODMAN, "exec", container, *command], stdout=subprocess.PIPE, check=False)
+
+
+def stop(container: str, grace_s: int) -> int:
+    """Exit status of the container after SIGTERM; 137 where it had to be killed after `grace_s` seconds."""
+    subprocess.run([*PODMAN, "stop", f"--time={grace_s}", container], stdout=subprocess.DEVNULL, check=True)
+    inspect = [*PODMAN, "inspect", "--format={{.State.ExitCode}}", container]
+    return int(subprocess.run(inspect, stdout=subprocess.PIPE, check=True).stdout)
 
 
 def ensure_base(scratch: Path) -> None:
