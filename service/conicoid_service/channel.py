@@ -33,6 +33,7 @@ class Channel:
             OSError: the other end is gone.
         """
         payload = orjson.dumps(message)
+        self._limit(None)
         socket.send_fds(self._socket, [_LENGTH.pack(len(payload))], [blob.fileno() for blob in blobs])
         self._socket.sendall(payload)
 

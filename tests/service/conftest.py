@@ -1,5 +1,6 @@
 """What the service's tests share: applications with and without OpenCL, and the check that nothing is left behind."""
 
+import os
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
@@ -49,7 +50,7 @@ def anyio_backend() -> str:
 def search_path() -> Iterator[None]:
     """Lets child processes import the tests' own modules."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PYTHONPATH", str(ROOT))
+        patch.setenv("PYTHONPATH", str(ROOT), prepend=os.pathsep)
         yield
 
 
