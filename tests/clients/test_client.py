@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 import httpx
 import pytest
 
+import conicoid_client
 from conicoid_client import Client, ClientError, Problem, ProblemError, SceneRejected, ServerBusy, Unreachable
 
 Handler = Callable[[httpx.Request], httpx.Response]
@@ -164,3 +165,9 @@ def test_a_server_that_is_something_else_is_not_taken_for_conicoid(headers: dict
     for call in (lambda: other.render(b"{}"), lambda: other.canonical(b"{}"), other.device):
         with pytest.raises(ProblemError, match="is this a Conicoid service"):
             call()
+
+
+def test_the_package_offers_what_it_names_and_nothing_else() -> None:
+    assert all(getattr(conicoid_client, name).__name__ == name for name in conicoid_client.__all__)
+    with pytest.raises(AttributeError, match="Clinet"):
+        conicoid_client.Clinet  # noqa: B018

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,23 +27,6 @@ SCENE: dict[str, Any] = {
 }
 TEXT = json.dumps(SCENE).encode()
 BAD = json.dumps(SCENE | {"quadrics": [{"shape": "sphere", "radius": -1}]}).encode()
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A running `conicoid serve`; it ends orderly, with status 0."""
-    log = tmp_path_factory.mktemp("serve") / "log"
-    with log.open("wb") as stderr:
-        server = subprocess.Popen([CONICOID, "serve", "--port", "0"], stdout=subprocess.DEVNULL, stderr=stderr)
-    try:
-        while not (words := log.read_text().split())[:1]:
-            assert server.poll() is None, log.read_text()
-            time.sleep(0.05)
-        assert words[0] == "serving"
-        yield words[1]
-    finally:
-        server.send_signal(signal.SIGTERM)
-        assert server.wait(30) == 0
 
 
 @pytest.fixture(scope="module")
