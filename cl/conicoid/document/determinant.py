@@ -27,19 +27,22 @@ def determinant_sign(matrices: Floats) -> NDArray[np.int8]:
     a, b, c, d, e, f, g, h, i = map(abs, (a, b, c, d, e, f, g, h, i))
     permanent = a * (e * i + f * h) + b * (d * i + f * g) + c * (d * h + e * g)
     sign: NDArray[np.int8] = np.sign(value).astype(np.int8)
-    for doubtful in np.flatnonzero(np.abs(value) <= _RELATIVE * permanent + _ABSOLUTE):
-        sign[doubtful] = _exact_sign(matrices[doubtful])
+    doubtful = np.abs(value) <= _RELATIVE * permanent + _ABSOLUTE
+    sign[doubtful] = _exact_signs(matrices[doubtful])
     return sign
 
 
-def _exact_sign(matrix: Floats) -> int:
-    mantissas, exponents = np.frexp(matrix)
-    whole = np.ldexp(mantissas, 53).astype(np.int64).tolist()
-    # The least exponent of each row's non-zero entries: a zero's own (0) would cost a thousand bits beside 1e-300.
-    shifts = np.where(matrix == 0, 0, exponents - np.where(matrix == 0, 2**20, exponents).min(axis=1, keepdims=True))
-    (a, b, c), (d, e, f), (g, h, i) = (
-        [entry << shift for entry, shift in zip(row, row_shifts, strict=True)]
-        for row, row_shifts in zip(whole, shifts.tolist(), strict=True)
-    )
-    value: int = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-    return (value > 0) - (value < 0)
+def _exact_signs(matrices: Floats) -> list[int]:
+    mantissas, exponents = np.frexp(matrices)
+    whole = np.ldexp(mantissas, 53).astype(np.int64)
+    # Each row times the power of two that makes its entries integers; a zero's own exponent does not count.
+    least = np.where(matrices == 0, np.iinfo(exponents.dtype).max, exponents).min(axis=2, keepdims=True)
+    shifts = np.where(matrices == 0, 0, exponents - least)
+    rows = zip(whole.reshape(-1, 9).tolist(), shifts.reshape(-1, 9).tolist(), strict=True)
+    return [_sign([entry << shift for entry, shift in zip(*row, strict=True)]) for row in rows]
+
+
+def _sign(entries: list[int]) -> int:
+    a, b, c, d, e, f, g, h, i = entries
+    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+    return (determinant > 0) - (determinant < 0)
