@@ -86,7 +86,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
 
 def _output(output: Output) -> dict[str, Any]:
     depth = "inf" if np.isinf(output.background_depth) else output.background_depth
-    return asdict(output) | {"background_depth": depth}
+    return asdict(output) | {"channels": list(output.channels), "background_depth": depth}
 
 
 def scene_hash(scene: Scene) -> str:

@@ -111,7 +111,7 @@ def test_the_canonical_document_in_full() -> None:
             "far": 10.0,
         },
         "output": {
-            "channels": ("Z", "N"),
+            "channels": ["Z", "N"],
             "normal_space": "world",
             "normal_side": "facing",
             "background_depth": 0.0,

@@ -215,6 +215,11 @@ def test_syntax_errors_give_line_and_column() -> None:
         parse(b'{\n "\xff": 1}')
 
 
+def test_a_byte_order_mark_is_named() -> None:
+    with pytest.raises(SceneError, match=r"^starts with a byte order mark; "):
+        parse(b"\xef\xbb\xbf{}")
+
+
 def test_all_problems_of_a_document_are_reported_at_once() -> None:
     body = b"""{"conicoid": 1, "quadrics": [
         {"shape": "sphere", "radius": -1, "center": [0, NaN, 0], "id": 0, "id": 1.0},

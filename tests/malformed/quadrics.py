@@ -215,6 +215,7 @@ PLACEMENTS = [
 
 EXTENTS = [
     Case("z_range backwards", sphere('"z_range": [1, -1]'), "quadrics[1].z_range", "scene-value", False),
+    Case("z_range of one, capped", sphere('"z_range": [1], "capped": true'), "quadrics[1].z_range", "scene-length"),
     Case("z_range of one", sphere('"z_range": [1]'), "quadrics[1].z_range", "scene-length"),
     Case("z_range with null", sphere('"z_range": [null, 1]'), "quadrics[1].z_range[0]", "scene-type"),
     Case("z_range with Infinity", sphere('"z_range": [0, Infinity]'), "quadrics[1].z_range[1]", "scene-value", None),

@@ -51,9 +51,11 @@ class Relation:
     unless: str = ""
     code: str = "scene-value"
 
-    def concerns(self, keys: Mapping[str, Any]) -> bool:
-        """Whether an object with these keys is under the relation."""
-        return all(key in keys for key in self.keys) and self.unless not in keys
+    def is_broken(self, columns: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
+        """Whether it does not hold for an object with the `given` keys, of which those in `columns` are right."""
+        if self.unless in given or not all(key in columns for key in self.keys):
+            return False
+        return not self.holds(*(columns[key] for key in self.keys)).all()
 
 
 @dataclass(frozen=True)
@@ -96,10 +98,7 @@ class Record:
             columns[key] = self.fields[key].kind.column(list(map(itemgetter(key), objects)))
             if columns[key] is None:
                 return None
-        for relation in self.relations:
-            if relation.concerns(columns) and not relation.holds(*(columns[key] for key in relation.keys)).all():
-                return None
-        return columns
+        return None if any(relation.is_broken(columns, keys) for relation in self.relations) else columns
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Not an object, wrong keys, wrong values; then the relations between right ones."""
@@ -116,7 +115,7 @@ class Record:
                 self.fields[key].kind.explain(value[key], key_place(place, key), problems)
         right = {key: column for key, column in columns.items() if column is not None}
         for relation in self.relations:
-            if relation.concerns(right) and not relation.holds(*(right[key] for key in relation.keys)).all():
+            if relation.is_broken(right, value):
                 message = relation.message(*(value[key] for key in relation.keys))
                 problems.add(key_place(place, relation.at), message, relation.code)
 
