@@ -7,19 +7,24 @@ from pathlib import Path
 
 CONICOID = str(Path(sys.executable).with_name("conicoid"))
 
+# No server unless a test sets one; output buffered, as it is for users; warnings are errors.
+ENVIRONMENT = {
+    **{name: value for name, value in os.environ.items() if name not in ("CONICOID_SERVER", "PYTHONUNBUFFERED")},
+    "PYTHONWARNINGS": "error",
+}
+
 
 def conicoid(
     *arguments: str, stdin: bytes = b"", cwd: Path | None = None, **environment: str
 ) -> "subprocess.CompletedProcess[bytes]":
-    """Run the command to its end; warnings are errors in it, and no server is set unless asked for."""
-    clean = {name: value for name, value in os.environ.items() if name != "CONICOID_SERVER"}
+    """Run the command to its end."""
     return subprocess.run(
         [CONICOID, *arguments],
         input=stdin,
         capture_output=True,
         check=False,
         cwd=cwd,
-        env={**clean, "PYTHONWARNINGS": "error", **environment},
+        env={**ENVIRONMENT, **environment},
     )
 
 

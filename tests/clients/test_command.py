@@ -15,7 +15,7 @@ import pytest
 
 from conicoid_client import Client
 from conicoid_client.exr import decode
-from tests.clients.command import CONICOID, conicoid, paragraph
+from tests.clients.command import CONICOID, ENVIRONMENT, conicoid, paragraph
 
 SCENE: dict[str, Any] = {
     "conicoid": 1,
@@ -172,7 +172,7 @@ def test_a_terminal_sees_progress_and_a_file_never_does(address: str, image: byt
             stdout=subprocess.PIPE,
             stderr=stderr,
             check=True,
-            env={**os.environ, "TERM": "xterm"},
+            env={**ENVIRONMENT, "TERM": "xterm"},
         )
         os.close(stderr)
         assert b"rendering scene.json" in screen.read(4096)

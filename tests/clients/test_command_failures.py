@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.clients.command import CONICOID, conicoid, paragraph
+from tests.clients.command import CONICOID, ENVIRONMENT, conicoid, paragraph
 from tests.clients.exr_files import exr_bytes, half_hit
 
 FAILED, BAD_INPUT = 1, 2
@@ -170,15 +170,26 @@ def test_a_scene_cannot_write_escape_sequences_to_the_terminal(here: Path) -> No
     assert b"\\x1b[31mred" in done.stderr
 
 
+CLOSED = (">&-", "standard output is closed")
+FULL = (">/dev/full", "no space left on device")
+
+
 @pytest.mark.parametrize(
-    ("redirection", "words"),
-    [(">/dev/full", "no space left on device"), (">&-", "standard output is closed")],
-    ids=["full", "closed"],
+    ("arguments", "redirection", "words"),
+    [
+        (arguments, *case)
+        for arguments in ("info image.exr", "preview image.exr -o -", "device")
+        for case in (CLOSED, FULL)
+    ]
+    + [(arguments, *FULL) for arguments in ("--help", "--version")],
 )
-@pytest.mark.parametrize("arguments", ["info image.exr", "preview image.exr -o -", "device"])
 def test_output_that_does_not_arrive_is_a_failure(arguments: str, redirection: str, words: str, here: Path) -> None:
     done = subprocess.run(
-        ["sh", "-c", f"exec {CONICOID} {arguments} {redirection}"], cwd=here, stderr=subprocess.PIPE, check=False
+        ["sh", "-c", f"exec {CONICOID} {arguments} {redirection}"],
+        cwd=here,
+        stderr=subprocess.PIPE,
+        check=False,
+        env=ENVIRONMENT,
     )
     assert done.returncode == FAILED
     assert words in done.stderr.decode()
@@ -190,7 +201,12 @@ def test_a_reader_that_has_gone_ends_the_command_quietly(here: Path) -> None:
     os.close(read_end)
     try:
         done = subprocess.run(
-            [CONICOID, "info", "image.exr"], cwd=here, stdout=write_end, stderr=subprocess.PIPE, check=False
+            [CONICOID, "info", "image.exr"],
+            cwd=here,
+            stdout=write_end,
+            stderr=subprocess.PIPE,
+            check=False,
+            env=ENVIRONMENT,
         )
     finally:
         os.close(write_end)
@@ -198,14 +214,22 @@ def test_a_reader_that_has_gone_ends_the_command_quietly(here: Path) -> None:
 
 
 def test_closed_standard_error_does_not_change_the_exit_status(here: Path) -> None:
-    for arguments, status in (("info cut.exr", FAILED), ("info image.exr", 0)):
+    mauvish = "preview image.exr -o - --background mauvish"
+    for arguments, status in (("info cut.exr", FAILED), (mauvish, BAD_INPUT), ("info image.exr", 0)):
         done = subprocess.run(
-            ["sh", "-c", f"exec {CONICOID} {arguments} 2>&-"], cwd=here, stdout=subprocess.PIPE, check=False
+            ["sh", "-c", f"exec {CONICOID} {arguments} 2>&-"],
+            cwd=here,
+            stdout=subprocess.PIPE,
+            check=False,
+            env=ENVIRONMENT,
         )
         assert done.returncode == status
+        assert bool(done.stdout) == (status == 0)
 
 
 def test_closed_standard_input_is_a_failure(here: Path) -> None:
-    done = subprocess.run(["sh", "-c", f"exec {CONICOID} info - <&-"], cwd=here, stderr=subprocess.PIPE, check=False)
+    done = subprocess.run(
+        ["sh", "-c", f"exec {CONICOID} info - <&-"], cwd=here, stderr=subprocess.PIPE, check=False, env=ENVIRONMENT
+    )
     assert done.returncode == FAILED
     assert b"standard input is closed" in done.stderr

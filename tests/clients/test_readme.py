@@ -1,6 +1,5 @@
 """What the README tells people to type works, and what it shows is what they get."""
 
-import os
 import re
 import subprocess
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.checkout import BIN, ROOT
+from tests.clients.command import ENVIRONMENT
 
 README = (ROOT / "README.md").read_text()
 OTHER_PAGES = ["docs/examples.md", "examples/README.md"]
@@ -31,8 +31,7 @@ def checkout(tmp_path: Path) -> Path:
 
 def run(script: str, where: Path) -> "subprocess.CompletedProcess[str]":
     """Run a block as a shell does that stops at the first failure, and stop what it left in the background."""
-    environment = {name: value for name, value in os.environ.items() if name != "CONICOID_SERVER"}
-    environment["PATH"] = f"{BIN}:{environment['PATH']}"
+    environment = {**ENVIRONMENT, "PATH": f"{BIN}:{ENVIRONMENT['PATH']}"}
     ending = "trap 'status=$?; kill $(jobs -p) 2>/dev/null || true; wait; exit $status' EXIT\n"
     return subprocess.run(
         ["bash", "-euo", "pipefail", "-c", ending + script],

@@ -23,31 +23,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     signal.signal(signal.SIGTERM, _terminate)
     try:
-        options = _parser().parse_args(arguments)
-        run: Callable[[argparse.Namespace], None] = import_module(f"conicoid_client.command.{options.command}").run
-        run(options)
+        try:
+            _run(arguments)
+        finally:
+            _deliver()
     except BrokenPipeError:
-        # Whoever read our output has gone; there is nobody to tell.
-        _abandon_output()
-        return FAILED
+        return FAILED  # whoever read our output has gone; there is nobody to tell
     except KeyboardInterrupt:
         return INTERRUPTED
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else FAILED
     except Exception as error:  # noqa: BLE001 -- a traceback is a defect, whatever happened
-        _abandon_output()
         return BAD_INPUT if report(error) else FAILED
     return DONE
 
 
-def _abandon_output() -> None:
-    """Drop what standard output did not take: the interpreter would try, and complain, once more at its end."""
+def _run(arguments: Sequence[str] | None) -> None:
+    options = _parser().parse_args(arguments)
+    run: Callable[[argparse.Namespace], None] = import_module(f"conicoid_client.command.{options.command}").run
+    run(options)
+
+
+def _deliver() -> None:
+    """Flush standard output; what it does not take is dropped, or the interpreter would complain of it at its end."""
     if sys.stdout is None:
         return
     try:
         sys.stdout.flush()
     except OSError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise
 
 
 def _terminate(_signal: int, _frame: object) -> NoReturn:
