@@ -10,9 +10,9 @@ AS_ROOT = [] if os.geteuid() == 0 else ["sudo"]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "conicoid"
 BASE = "debian:trixie-slim"
 
-# vfs and runc, because overlay mounts and crun's cgroups are refused inside many CI machines.
+# runc, because Debian 12's crun refuses hybrid cgroups; cgroupfs and a file of events, because there may be no systemd.
 PODMAN = [
-    *AS_ROOT, "podman", f"--root={CACHE / 'podman'}", "--runroot=/run/conicoid-podman", "--storage-driver=vfs",
+    *AS_ROOT, "podman", f"--root={CACHE / 'podman'}", "--runroot=/run/conicoid-podman",
     "--runtime=runc", "--cgroup-manager=cgroupfs", "--events-backend=file",
 ]  # fmt: skip
 
@@ -26,8 +26,9 @@ LOCKED_DOWN = [
 def build(context: Path, tag: str, secrets: dict[str, Path]) -> None:
     """Build the image of `docker/Dockerfile`; each secret is a file for the build that stays out of the image."""
     given = [f"--secret=id={name},src={path}" for name, path in secrets.items()]
-    how = ["--pull=never", "--isolation=chroot", "--format=docker", "--layers=false", *given]
+    how = ["--pull=never", "--isolation=chroot", "--format=docker", *given]
     subprocess.run([*PODMAN, "build", *how, "--file=docker/Dockerfile", f"--tag={tag}", "."], cwd=context, check=True)
+    subprocess.run([*PODMAN, "image", "prune", "--force"], check=True)  # earlier builds, or the store grows for ever
 
 
 def run(*arguments: str, image: str, stdin: bytes = b"", entrypoint: str | None = None) -> bytes:
