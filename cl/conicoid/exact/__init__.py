@@ -1,0 +1,15 @@
+"""The image decided in exact arithmetic on the host: every number is rational or one square root away from it.
+
+    scene -> rays.py (camera) -> forms.py (one quadric along the rays) -> quadric.py (its integers)
+          -> hits.py (where one ray meets it) -> scene.py (the nearest) -> pixel.py (its channels)
+
+Binary64 inputs are rationals, so a pixel's quadratic a t^2 + 2b t + c has integer coefficients once denominators are
+cleared, and its roots are surds (p + k sqrt(s))/q. Comparing two of them, or one with a number, takes squarings only
+(surd.py); rounding one to binary32 takes an enclosure and, at a tie, such a comparison (rounding.py).
+"""
+
+from conicoid.exact.forms import ExactForms, double_double
+from conicoid.exact.pixel import CAP_HIGH, CAP_LOW, SURFACE, ExactPixel
+from conicoid.exact.scene import ExactScene
+
+__all__ = ["CAP_HIGH", "CAP_LOW", "SURFACE", "ExactForms", "ExactPixel", "ExactScene", "double_double"]
