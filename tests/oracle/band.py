@@ -136,14 +136,15 @@ class _Ray:
         condition = self.condition(hit.t, self.root_change)
         if side < 0:
             return max(1 / condition, self._margin_at_infinity()) if self.is_pinhole else 1 / condition
-        holding, failing = [1 / condition], list[float]()
-        for e, g in bounds:
-            value = sign_of_linear(e.at(self.i, self.j), g.at(self.i, self.j), hit.t)
-            (holding if value >= 0 else failing).append(self._half_space_margin(e, g, hit.t, condition))
-        return max(failing) if failing else min(holding)
+        i, j = self.i, self.j
+        failing = [bound for bound in bounds if sign_of_linear(bound.e.at(i, j), bound.g.at(i, j), hit.t) < 0]
+        if failing:
+            return max(self._half_space_margin(bound, hit.t, condition) for bound in failing)
+        return min([1 / condition, *(self._half_space_margin(bound, hit.t, condition) for bound in bounds)])
 
-    def _half_space_margin(self, e: Linear, g: Linear, t: Surd, condition: float) -> float:
+    def _half_space_margin(self, bound: HalfSpace, t: Surd, condition: float) -> float:
         """|e + g·t| in the polynomial form λ + μ√S that its sign is decided by, or directly where that is better."""
+        e, g = bound
         depth = t.enclosure(BITS)
         e_here, g_here = e.at(self.i, self.j), g.at(self.i, self.j)
         value = abs(e_here + g_here * depth)

@@ -72,7 +72,9 @@ class ExactQuadric:
         origin_world = self._view.world_from_camera * self._view.origin
         direction_world = self._view.world_from_camera * self._view.direction
         none = [fmpq(0)] * 3
-        self.always = [_half_space([fmpq(0), fmpq(0), -exact(camera.near)], [fmpq(0), fmpq(0), fmpq(1)])]
+        self.always = []
+        if camera.near:  # t > 0 goes without saying
+            self.always.append(_half_space([*none[:2], -exact(camera.near)], [*none[:2], fmpq(1)]))
         if np.isfinite(camera.far):
             self.always.append(_half_space([*none[:2], exact(camera.far)], [*none[:2], fmpq(-1)]))
         start, stop = quadrics.clip_start[index : index + 2]

@@ -107,11 +107,11 @@ def back_of_a_cap() -> Document:
 
 @scene
 def crowd() -> Document:
-    """Forty quadrics of all sizes in a few tiles."""
+    """Thirty quadrics of all sizes in a few tiles."""
     draw = random.Random(20260101)
     shapes = ["sphere", "cylinder", "cone", "paraboloid"]
     quadrics: list[Document] = []
-    for k in range(40):
+    for k in range(30):
         quadric: Document = {
             "shape": shapes[k % 4],
             "radius": round(draw.uniform(0.05, 0.4), 3),
