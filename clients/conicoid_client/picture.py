@@ -70,8 +70,8 @@ def _panels(image: ExrImage) -> list[Image.Image]:
         colours.append(normal_colours(normals))
     if not colours:
         colours.append(_other_colours(image, hits))
-    alpha = np.where(hits, np.uint8(255), np.uint8(0))
-    return [Image.fromarray(np.dstack([rgb, alpha])) for rgb in colours]
+    seen = hits[..., None]
+    return [Image.fromarray(np.concatenate([rgb * seen, 255 * seen.astype(np.uint8)], axis=-1)) for rgb in colours]
 
 
 def depth_colours(depth: NDArray[np.floating], hits: Mask) -> Rgb:

@@ -73,6 +73,7 @@ def _header(frame: "Frame", scene: Scene, scene_hash: str) -> dict[str, Any]:
         "conicoid/sceneHash": scene_hash,
         "conicoid/precision": output.precision,
         "conicoid/depth": DEPTH_MEANING,
+        "conicoid/backgroundDepth": output.background_depth,
         "conicoid/normalSpace": output.normal_space,
         "conicoid/normalSide": output.normal_side,
         "conicoid/camera": _camera_json(camera),

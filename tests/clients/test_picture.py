@@ -69,6 +69,13 @@ def test_a_number_for_the_background_is_still_background() -> None:
     np.testing.assert_array_equal(pixels(channels), pixels(half_hit()))
 
 
+def test_a_number_for_the_background_is_known_from_the_header_if_there_is_depth_alone() -> None:
+    depth = half_hit()["Z"]
+    numbered = np.where(np.isinf(depth), np.float32(0.1), depth)
+    named = pixels({"Z": numbered}, attributes={"conicoid/backgroundDepth": 0.1})
+    np.testing.assert_array_equal(named, pixels({"Z": depth}))
+
+
 @pytest.mark.parametrize("name", ["Z", "T", "ZBack"])
 def test_any_depth_alone_makes_one_panel(name: str) -> None:
     seen = pixels({name: half_hit(4, 6)["Z"]})

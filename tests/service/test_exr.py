@@ -109,6 +109,7 @@ def test_header_says_what_made_the_image_and_when_is_not_part_of_it() -> None:
         "conicoid/sceneHash": HASH,
         "conicoid/precision": "float64",
         "conicoid/depth": exr.DEPTH_MEANING,
+        "conicoid/backgroundDepth": float("inf"),
         "conicoid/normalSpace": "camera",
         "conicoid/normalSide": "outward",
     }
