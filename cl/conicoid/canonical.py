@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import orjson
 
+from conicoid.collector import paused_collector
 from conicoid.scene import Camera, Floats, Output, Quadrics, Scene
 from conicoid.shapes import SHAPES, Shape
 
@@ -17,12 +18,13 @@ def canonical_document(scene: Scene) -> dict[str, Any]:
     Keys come in a fixed order. Keys whose absence has a meaning of its own (`z_range`, `capped`, `clip`, `name`, `far`)
     are there only where they say something.
     """
-    return {
-        "conicoid": 1,
-        "quadrics": _quadrics(scene.quadrics),
-        "camera": _camera(scene.camera),
-        "output": _output(scene.output),
-    }
+    with paused_collector():
+        return {
+            "conicoid": 1,
+            "quadrics": _quadrics(scene.quadrics),
+            "camera": _camera(scene.camera),
+            "output": _output(scene.output),
+        }
 
 
 def canonical_bytes(scene: Scene) -> bytes:

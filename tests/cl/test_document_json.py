@@ -1,5 +1,6 @@
 """JSON is read strictly: every number to the nearest binary64, every key once, and nothing but SceneError comes out."""
 
+import gc
 import json
 import sys
 from decimal import Decimal
@@ -281,6 +282,15 @@ def test_long_integers_are_shortened_in_messages() -> None:
         with pytest.raises(SceneError) as caught:
             parse(TEMPLATE.format(quadrics=SPHERE.format(quadric)).encode())
         assert len(caught.value.problems[0].message) < 300
+
+
+@pytest.mark.parametrize("body", [b"{}", TEMPLATE.format(quadrics="").encode()])
+def test_the_cycle_collector_is_left_as_it_was(body: bytes) -> None:
+    for turn in (gc.disable, gc.enable):
+        turn()
+        before = gc.isenabled()
+        parse_or_refuse(body)
+        assert gc.isenabled() is before
 
 
 def test_integers_longer_than_python_converts_are_refused_by_name() -> None:

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
+from conicoid.collector import paused_collector
 from conicoid.document.camera import resolve_cameras
-from conicoid.document.json_text import paused_collector, read_exact, read_fast
+from conicoid.document.json_text import read_exact, read_fast
 from conicoid.document.problems import Problems
 from conicoid.document.resolve import resolve_output, resolve_quadrics
 from conicoid.document.scene_fields import SCENE

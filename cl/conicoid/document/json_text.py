@@ -7,11 +7,8 @@ as the nearest binary64 or as an exact integer.
 """
 
 import codecs
-import gc
 import json
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any, Final
 
 import orjson
@@ -34,18 +31,6 @@ class RepeatedKeys(dict[str, Any]):
     def __init__(self, pairs: list[tuple[str, Any]]) -> None:
         super().__init__(pairs)
         self.repeated: Final = [key for key, count in Counter(key for key, _ in pairs).items() if count > 1]
-
-
-@contextmanager
-def paused_collector() -> Iterator[None]:
-    """Keep Python's cycle collector off: a JSON tree has no cycles, and looking for them doubles the reading time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def read_fast(body: bytes) -> Any:
