@@ -8,8 +8,9 @@ cleared, and its roots are surds (p + k sqrt(s))/q. Comparing two of them, or on
 (surd.py); rounding one to binary32 takes an enclosure and, at a tie, such a comparison (rounding.py).
 """
 
-from conicoid.exact.forms import ExactForms, double_double
-from conicoid.exact.pixel import CAP_HIGH, CAP_LOW, SURFACE, ExactPixel
+from conicoid.exact.forms import ExactForms, RationalPolynomial
+from conicoid.exact.pixel import ExactPixel
+from conicoid.exact.quadric import CAP_HIGH, CAP_LOW, SURFACE
 from conicoid.exact.scene import ExactScene
 
-__all__ = ["CAP_HIGH", "CAP_LOW", "SURFACE", "ExactForms", "ExactPixel", "ExactScene", "double_double"]
+__all__ = ["CAP_HIGH", "CAP_LOW", "SURFACE", "ExactForms", "ExactPixel", "ExactScene", "RationalPolynomial"]

@@ -1,17 +1,49 @@
 """One quadric along the rays of a camera: the polynomials in the pixel that decide it, as exact rationals."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from flint import fmpq
+import numpy as np
+from flint import fmpz
 
 from conicoid.exact.polynomial import Linear, Quadratic
+from conicoid.scene import Floats
+
+
+@dataclass(frozen=True)
+class RationalPolynomial:
+    """The polynomial `whole` / `over` of pixel coordinates; `over` is positive."""
+
+    whole: Linear | Quadratic
+    over: fmpz
+
+    def about(self, u0: int, v0: int) -> "RationalPolynomial":
+        """The same function of (u - u0, v - v0)."""
+        return RationalPolynomial(self.whole.about(u0, v0), self.over)
+
+    def vanishes(self) -> bool:
+        """Whether it is 0 at every pixel."""
+        return not any(self.whole)
+
+    def rounded(self) -> Floats:
+        """(k, 2) float64 double-doubles (hi, lo) of the coefficients, each part the nearest to what is left.
+
+        Raises:
+            OverflowError: a coefficient is beyond binary64.
+        """
+        rows = []
+        for value in self.whole:
+            high = int(value) / int(self.over)
+            over, under = high.as_integer_ratio()
+            rows.append((high, int(value * under - over * self.over) / int(self.over * under)))
+        return np.array(rows)
 
 
 @dataclass(frozen=True)
 class ExactForms:
     """Polynomials in pixel coordinates (u, v); pixel (i, j) is sampled at (i + 1/2, j + 1/2).
 
-    With f as in the scene document, unscaled, and X + tY the ray in parameter space (object space over the radii):
+    Coefficients are in the order of `kernels/records.h`: uu, uv, vv, u, v, 1, or u, v, 1. With f as in the scene
+    document, unscaled, and X + tY the ray in parameter space (object space over the radii):
 
     Attributes:
         a, b, c: f = a t^2 + 2b t + c on the ray: Y'DY, X'DY, X'DX.
@@ -21,18 +53,17 @@ class ExactForms:
         cap: f where the ray meets z0 and z1, times Y3^2; empty without a z_range.
     """
 
-    a: Quadratic
-    b: Linear
-    c: Quadratic
-    s: Quadratic
-    range: tuple[Linear, ...]
-    height: Linear
-    cap: tuple[Quadratic, ...]
+    a: RationalPolynomial
+    b: RationalPolynomial
+    c: RationalPolynomial
+    s: RationalPolynomial
+    range: tuple[RationalPolynomial, ...]
+    height: RationalPolynomial
+    cap: tuple[RationalPolynomial, ...]
 
     def about(self, u0: int, v0: int) -> "ExactForms":
         """The same polynomials of (u - u0, v - v0)."""
-        return replace(
-            self,
+        return ExactForms(
             a=self.a.about(u0, v0),
             b=self.b.about(u0, v0),
             c=self.c.about(u0, v0),
@@ -44,25 +75,15 @@ class ExactForms:
 
 
 def discriminant(a: Quadratic, b: Linear, c: Quadratic, *, orthographic: bool) -> Quadratic:
-    """b^2 - ac, of which a (orthographic) or c (pinhole) is constant."""
+    """The conic b^2 - ac; a (orthographic) or c (pinhole) is constant."""
     product = c.times(a.one) if orthographic else a.times(c.one)
-    return b.times(b).plus(product.times(fmpq(-1)))
+    return b.times(b).plus(product.times(fmpz(-1)))
 
 
-def cap_conic(a: Quadratic, b: Linear, c: Quadratic, offset: Linear, slope: Linear, *, orthographic: bool) -> Quadratic:
+def cap_conic(a: Quadratic, b: Linear, c: Quadratic, plane: tuple[Linear, Linear], *, orthographic: bool) -> Quadratic:
     """The conic a e^2 - 2b e g + c g^2 of the plane e + g t = 0; e (pinhole) or g (orthographic) is constant."""
+    offset, slope = plane
     fixed, moving = (slope.one, offset) if orthographic else (offset.one, slope)
     outer, inner = (c, a.one) if orthographic else (a, c.one)
     squares = outer.times(fixed * fixed).plus(moving.times(moving).times(inner))
     return squares.plus(b.times(moving).times(-2 * fixed))
-
-
-def double_double(value: fmpq) -> tuple[float, float]:
-    """The nearest binary64 and the nearest binary64 to what it leaves; gradual underflow.
-
-    Raises:
-        OverflowError: the value is beyond binary64.
-    """
-    high = int(value.p) / int(value.q)
-    rest = value - fmpq(*high.as_integer_ratio())
-    return high, int(rest.p) / int(rest.q)

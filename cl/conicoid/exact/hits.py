@@ -5,7 +5,6 @@ from typing import Final, NamedTuple
 
 from flint import fmpq, fmpz
 
-from conicoid.exact.polynomial import linear_at, quadratic_at
 from conicoid.exact.quadric import CAP_HIGH, CAP_LOW, SURFACE, ExactQuadric
 from conicoid.exact.rationals import sign
 from conicoid.exact.rays import AlongRays
@@ -41,7 +40,7 @@ class Depths(NamedTuple):
 
 def kept_hits(quadric: ExactQuadric, depths: Depths, u: fmpz, v: fmpz) -> list[Hit]:
     """Every kept hit of the ray through doubled pixel coordinates (u, v); the surface's come first."""
-    a, b, c = quadratic_at(quadric.a, u, v), linear_at(quadric.b, u, v), quadratic_at(quadric.c, u, v)
+    a, b, c = quadric.a.at(u, v), quadric.b.at(u, v), quadric.c.at(u, v)
     kept = [
         hit
         for hit in _surface(a, b, c)

@@ -6,12 +6,11 @@ from functools import cached_property
 from flint import fmpz
 
 from conicoid.exact.hits import Hit
-from conicoid.exact.quadric import CAP_HIGH, CAP_LOW, SURFACE, ExactQuadric
+from conicoid.exact.quadric import SURFACE, ExactQuadric
 from conicoid.exact.rays import ExactRays
 from conicoid.exact.rounding import nearest_float32
 from conicoid.exact.surd import Surd, SurdOverRoot
 
-__all__ = ["CAP_HIGH", "CAP_LOW", "SURFACE", "ExactPixel"]
 
 Vector = tuple[float, float, float]
 

@@ -2,11 +2,11 @@
 
 from typing import Final
 
-from flint import fmpq, fmpq_mat
+from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 
-from conicoid.exact.forms import ExactForms, cap_conic, discriminant
-from conicoid.exact.polynomial import Integers
-from conicoid.exact.rationals import affine_matrix, exact, exact_matrix, integers
+from conicoid.exact.forms import ExactForms, RationalPolynomial, cap_conic, discriminant
+from conicoid.exact.polynomial import Linear, Quadratic
+from conicoid.exact.rationals import affine_matrix, exact, exact_matrix, primitive, sign
 from conicoid.exact.rays import ExactRays
 from conicoid.scene import Quadrics
 from conicoid.shapes import SHAPES
@@ -20,9 +20,7 @@ class ExactQuadric:
     """What a ray needs to know of a quadric.
 
     Attributes:
-        world_form: symmetric 4x4, f of the world.
-        ends: the planes z - z0 and z - z1 as rows of world coefficients; none without a z_range.
-        a, b, c: of f = a t^2 + 2b t + c, over one positive denominator.
+        a, b, c: of f = a t^2 + 2b t + c, over one positive denominator, in doubled pixel coordinates.
         range, clips: half-spaces offset + slope t >= 0 that keep points: z0 and z1 in this order, then the clips.
         capped: whether the planes of `range` carry caps.
         gradient: x, y, z of the gradient of f in target space, over one positive denominator.
@@ -30,63 +28,67 @@ class ExactQuadric:
 
     def __init__(self, rays: ExactRays, quadrics: Quadrics, index: int) -> None:
         self._rays = rays
-        self._radius = exact(float(quadrics.radii[index, 2]))
-        object_from_world = affine_matrix(quadrics.world_from_object[index]).inv()
-        self.world_form = object_from_world.transpose() * _object_form(quadrics, index) * object_from_world
-        self._forms = rays.quadratic(self.world_form)
-        a, b, c = (form.doubled() for form in self._forms)
-        whole = integers([*a, *b, *c])
-        self.a, self.b, self.c = whole[:6], whole[6:9], whole[9:]
-        self.gradient = rays.along(fmpq_mat((rays.target_from_world * self.world_form).tolist()[:3]))
+        object_from_world, scale = affine_matrix(quadrics.world_from_object[index]).inv().numer_denom()
+        object_form, form_scale = _object_form(quadrics, index).numer_denom()
+        self._form = object_from_world.transpose() * object_form * object_from_world
+        a, b, c = self._polynomials = rays.quadratic(self._form)
+        self._scale = form_scale * (scale * rays.scale) ** 2
+        whole = primitive([*a.doubled(), *b.doubled(), *c.doubled()])
+        self.a, self.b, self.c = Quadratic(*whole[:6]), Linear(*whole[6:9]), Quadratic(*whole[9:])
+        self.gradient = rays.along(rays.target_from_world * self._form)
 
-        self._height = fmpq_mat([object_from_world.tolist()[2]])
+        # Rows of world coefficients over their denominators: X3 = z/c, and X3 - z0/c, X3 - z1/c with a z_range.
+        radius = exact(float(quadrics.radii[index, 2]))
+        height = fmpq_mat([object_from_world.tolist()[2]]) / (scale * radius)
+        self._height = height.numer_denom()
         low, high = quadrics.z_range[index].tolist()
-        levels = [exact(low), exact(high)] if low > float("-inf") else []
-        self.ends = [self._height - fmpq_mat([[0, 0, 0, level]]) for level in levels]
-        self.range = [rays.along(plane * side)[0] for plane, side in zip(self.ends, (1, -1), strict=False)]
+        levels = [exact(low) / radius, exact(high) / radius] if low > float("-inf") else []
+        self._ends = [(height - fmpq_mat([[0, 0, 0, level]])).numer_denom() for level in levels]
+        self.range = [rays.along(end * side)[0] for (end, _), side in zip(self._ends, (1, -1), strict=False)]
         self.capped = bool(quadrics.capped[index])
         start, stop = quadrics.clip_start[index : index + 2].tolist()
-        self.clips = [rays.along(exact_matrix(quadrics.clip[row : row + 1]))[0] for row in range(start, stop)]
+        self.clips = rays.along(exact_matrix(quadrics.clip[start:stop]).numer_denom()[0])
 
-    def cap_normal(self, kind: int) -> Integers:
+    def cap_normal(self, kind: int) -> tuple[fmpz, ...]:
         """Outward normal of a cap in target space, not of unit length: -z at z0, +z at z1."""
-        gradient = (self._rays.target_from_world * self._height.transpose()).entries()[:3]
-        return integers([-value if kind == CAP_LOW else value for value in gradient])
+        upward = (self._rays.target_from_world * self._height[0].transpose()).entries()
+        return tuple(-value for value in upward) if kind == CAP_LOW else tuple(upward)
 
-    def surface_key(self, kind: int) -> Integers:
-        """Equation of the surface or of a cap's plane in the world; equal keys are one set of points.
+    def surface_key(self, kind: int) -> tuple[fmpz, ...]:
+        """Equation of the surface, or of a cap's plane, in the world; equal keys are one set of points.
 
-        Coefficients up to a factor, as integers: four of a plane, where the equation says no more than a plane does,
-        else ten of the form.
+        Coefficients up to a factor: four of a plane, where f is a linear function or the square of one, else ten.
         """
-        form = self.world_form.tolist()
         if kind == SURFACE:
+            form = self._form.tolist()
             terms = _plane_of(form) or [form[i][j] for i in range(4) for j in range(i, 4)]
         else:
-            terms = self.ends[kind - CAP_LOW].entries()
-        leading = next(term for term in terms if term != 0)
-        return integers([term / leading for term in terms])
+            terms = self._ends[kind - CAP_LOW][0].entries()
+        leading = next(sign(term) for term in terms if term)
+        return tuple(leading * term for term in primitive(terms))
 
     def forms(self) -> ExactForms:
         """The polynomials behind the integers, in pixels and to the scale of the scene's numbers."""
-        rays, orthographic = self._rays, self._rays.orthographic
-        a, b, c = self._forms
-        ends, (height,) = (
-            [
-                tuple(part.over(self._radius) for part in rays.split((plane * rays.in_world).entries()))
-                for plane in planes
-            ]
-            for planes in (self.ends, [self._height])
-        )
+        orthographic, scale = self._rays.orthographic, self._scale
+        a, b, c = self._polynomials
+        ends = [self._along_rays(*end) for end in self._ends]
+        (_, slope), height_scale = self._along_rays(*self._height)
         return ExactForms(
-            a=a,
-            b=b,
-            c=c,
-            s=discriminant(a, b, c, orthographic=orthographic),
-            range=tuple(offset for offset, _ in ends),
-            height=height[1],
-            cap=tuple(cap_conic(a, b, c, *end, orthographic=orthographic) for end in ends),
+            a=RationalPolynomial(a, scale),
+            b=RationalPolynomial(b, scale),
+            c=RationalPolynomial(c, scale),
+            s=RationalPolynomial(discriminant(a, b, c, orthographic=orthographic), scale * scale),
+            range=tuple(RationalPolynomial(plane[0], over) for plane, over in ends),
+            height=RationalPolynomial(slope, height_scale),
+            cap=tuple(
+                RationalPolynomial(cap_conic(a, b, c, plane, orthographic=orthographic), scale * over * over)
+                for plane, over in ends
+            ),
         )
+
+    def _along_rays(self, plane: fmpz_mat, scale: fmpz) -> tuple[tuple[Linear, Linear], fmpz]:
+        """Offset and slope of a plane as integers, and what they are over."""
+        return self._rays.split((plane * self._rays.in_world).entries()), scale * self._rays.scale
 
 
 def _object_form(quadrics: Quadrics, index: int) -> fmpq_mat:
@@ -103,11 +105,11 @@ def _object_form(quadrics: Quadrics, index: int) -> fmpq_mat:
     return form
 
 
-def _plane_of(form: list[list[fmpq]]) -> list[fmpq] | None:
+def _plane_of(form: list[list[fmpz]]) -> list[fmpz] | None:
     """The plane where a form vanishes, if it is a linear function or the square of one."""
-    if not any(term != 0 for row in form[:3] for term in row[:3]):
+    if not any(term for row in form[:3] for term in row[:3]):
         return [2 * form[0][3], 2 * form[1][3], 2 * form[2][3], form[3][3]]
-    pivot = next((row for row, line in enumerate(form) if line[row] != 0), None)
+    pivot = next((row for row, line in enumerate(form) if line[row]), None)
     if pivot is None:
         return None
     line = form[pivot]

@@ -1,6 +1,6 @@
-"""Binary64 numbers as rationals, and rationals as integers."""
+"""Binary64 numbers as rationals, and integers in lowest terms."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from flint import fmpq, fmpq_mat, fmpz
 
@@ -20,20 +20,17 @@ def exact_matrix(values: Floats) -> fmpq_mat:
 
 def affine_matrix(upper: Floats) -> fmpq_mat:
     """The 4x4 matrix of an affine map whose upper rows are given, (3, 4)."""
-    return fmpq_mat([*exact_matrix(upper).tolist(), [fmpq(0), fmpq(0), fmpq(0), fmpq(1)]])
+    return fmpq_mat(4, 4, [*exact_matrix(upper).entries(), 0, 0, 0, 1])
 
 
-def integers(values: Iterable[fmpq]) -> tuple[fmpz, ...]:
-    """The values times the positive rational that makes them integers without a common factor; zeros stay zeros."""
-    values = list(values)
-    numerators, _ = fmpq_mat(1, len(values), values).numer_denom()
-    whole = numerators.entries()
+def primitive(values: Sequence[fmpz]) -> tuple[fmpz, ...]:
+    """The integers divided by their greatest common divisor; signs and zeros stay."""
     common = fmpz(0)
-    for number in whole:
-        common = common.gcd(number)
+    for value in values:
+        common = common.gcd(value)
         if common == 1:
-            return tuple(whole)
-    return tuple(number // common for number in whole) if common else tuple(whole)
+            return tuple(values)
+    return tuple(value // common for value in values) if common else tuple(values)
 
 
 def sign(value: fmpz | fmpq) -> int:

@@ -66,7 +66,7 @@ class ExactScene:
     def sign_fixed(self, quadric: int) -> int:
         """Sign of F'DF: f at the eye (pinhole), or the quadratic form of the rays' direction (orthographic)."""
         exact_quadric = self._quadric(quadric)
-        return sign((exact_quadric.a if self._rays.orthographic else exact_quadric.c)[5])
+        return sign((exact_quadric.a if self._rays.orthographic else exact_quadric.c).one)
 
     def forms(self, quadric: int) -> ExactForms:
         """The polynomials in the pixel that decide one quadric."""
