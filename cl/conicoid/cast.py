@@ -14,7 +14,8 @@ from conicoid.setup import Visible
 from conicoid.view import View
 
 _FILES: Final = [
-    "records.h", "lanes.h", "polynomials.h", "candidates.h", "normals.h", "tile.h", "channels.h", "cast.cl"
+    "records.h", "lanes.h", "polynomials.h", "tile.h", "candidates.h", "certify.h", "normals.h", "offer.h", "channels.h",
+    "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
 # Planes lie in this order, whatever order the document asks them in.
@@ -25,12 +26,15 @@ _PLANES: Final = {
 _FRAME: Final = np.dtype(
     [
         ("rays", "f8", (6, 3)), ("back", "f8", (3, 3)), ("slant", "f8", (2, 2)), ("unit", "f8"), ("near", "f8"),
-        ("far", "f8"), ("background", "f4"), ("channels", "i4"), ("orthographic", "i4"), ("outward", "i4"),
+        ("far", "f8"), ("background", "f4"), ("channels", "i4"), ("capacity", "i4"), ("orthographic", "i4"), ("outward", "i4"),
         ("crop", "i4", (4,)), ("tile_origin", "i4", (2,)), ("columns", "i4"),
     ],
     align=True,
 )  # fmt: skip
+# `doubtful_pixel` there.
+DOUBT: Final = np.dtype([("x", "i4"), ("y", "i4"), ("winner", "i4"), ("rival", "i4"), ("reasons", "i4")])
 _ALIGNMENT: Final = 64
+_FIRST_CAPACITY: Final = 4096
 
 
 class Caster:
@@ -40,13 +44,28 @@ class Caster:
         self._queue = queue
         lanes = describe(queue.device).double_lanes
         self._kernels = {
-            bits: build(queue.context, _FILES, {"REAL_BITS": bits, "LANES": lanes * 64 // bits}).cast_tiles
-            for bits in (64, 32)
+            precision: build(
+                queue.context, _FILES, {"REAL_BITS": bits, "LANES": lanes * 64 // bits, "EXACT": int(exact)}
+            ).cast_tiles
+            for precision, bits, exact in (("exact", 64, True), ("float64", 64, False), ("float32", 32, False))
         }
         self._memory = np.empty(0, dtype=np.uint8)
+        self._doubts = np.empty(_FIRST_CAPACITY, dtype=DOUBT)
 
-    def run(self, scene: Scene, view: View, visible: Visible, bins: Bins) -> dict[str, NDArray[Any]]:
-        """Planes of the crop, named as in EXR; they live in memory that the next run writes over."""
+    def run(
+        self, scene: Scene, view: View, visible: Visible, bins: Bins, surface_class: NDArray[np.int32] | None = None
+    ) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
+        """Casts the crop.
+
+        Args:
+            scene, view, visible, bins: the frame.
+            surface_class: (m, 3) int32: slots' surface and caps at z0 and z1; those with the same number >= 0 are the
+                same set of points and tie where both are hit.
+
+        Returns:
+            Planes named as in EXR, in memory that the next run writes over, and the pixels in doubt, (k,) of DOUBT:
+            those that `exact` casting could not certify.
+        """
         queue, camera, output = self._queue, scene.camera, scene.output
         x0, y0, x1, y1 = camera.crop
         height, width = y1 - y0, x1 - x0
@@ -74,16 +93,26 @@ class Caster:
         with np.errstate(divide="ignore"):
             depth = visible.nearest * ((1 - 2.0**-20) / unit)
             nearest_key = -depth if view.orthographic else 1 / depth
-        kernel = self._kernels[32 if output.precision == "float32" else 64]
-        queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), queue.read_only(bins.end),
-                       bins.entries, queue.read_only(visible.box), queue.read_only(nearest_key),
-                       queue.read_only(visible.record), queue.read_only(visible.quadric),
-                       queue.read_only(scene.quadrics.id[visible.quadric]), visible.simple, visible.general,
-                       visible.clips, queue.in_place(floats), queue.in_place(ids))  # fmt: skip
+        if surface_class is None:
+            surface_class = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
+        doubts = self._doubts
+        while True:
+            count = np.zeros(1, dtype=np.int32)
+            frame["capacity"] = len(doubts)
+            queue.run_grid(self._kernels[output.precision], (bins.columns, bins.rows), queue.read_only(frame),
+                           queue.read_only(bins.end), bins.entries, queue.read_only(visible.box),
+                           queue.read_only(nearest_key), queue.read_only(visible.record),
+                           queue.read_only(visible.quadric), queue.read_only(surface_class),
+                           queue.read_only(scene.quadrics.id[visible.quadric]), visible.simple, visible.general,
+                           visible.clips, queue.in_place(floats), queue.in_place(ids), queue.in_place(count),
+                           queue.in_place(doubts))  # fmt: skip
+            if count[0] <= len(doubts):
+                break
+            doubts = np.empty(int(count[0]), dtype=DOUBT)
         result: dict[str, NDArray[Any]] = dict(zip(names, floats, strict=True))
         if "id" in channels:
             result["id"] = ids[0]
-        return result
+        return result, doubts[: count[0]]
 
     def _planes(self, count: int, height: int, width: int) -> NDArray[np.float32]:
         """Reused memory, aligned for vector stores: fresh pages cost more than casting."""

@@ -52,7 +52,7 @@ class Renderer:
         self.device = describe(queue.device)
         self._setup, self._binning, self._caster = Setup(queue), Binning(queue), Caster(queue)
         # PoCL compiles a kernel for its launch shape at the first launch: not at the user's.
-        for precision in ("float64", "float32"):
+        for precision in ("exact", "float64", "float32"):
             self.render(_warm_up_scene(precision))
 
     def render(self, scene: Scene) -> Frame:
@@ -62,7 +62,9 @@ class Renderer:
         visible = self._setup.run(scene.quadrics, scene.camera, view, want_back="ZBack" in scene.output.channels)
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
-        planes, window = self._caster.run(scene, view, visible, bins), scene.camera.crop
+        planes, doubts = self._caster.run(scene, view, visible, bins)
+        self.doubts = doubts
+        window = scene.camera.crop
         if scene.output.data_window == "tight":
             planes, window = _tighten(planes, window)
         planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}

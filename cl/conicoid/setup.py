@@ -17,8 +17,8 @@ from conicoid.view import View
 _CULLED: Final = 0
 _SIMPLE: Final = 1
 # sizeof(simple_record), sizeof(general_record), sizeof(clip_record): 8-byte members, checked by a test.
-SIMPLE_BYTES: Final = 8 * (6 + 3 + 9 + 3) + 8
-GENERAL_BYTES: Final = 8 * (3 * 6 + 3 + 27 + 6 + 12 + 10 + 9) + 24
+SIMPLE_BYTES: Final = 8 * (6 + 3 + 9 + 3 + 3 + 3 + 3 + 1) + 8
+GENERAL_BYTES: Final = 8 * (3 * 6 + 3 + 27 + 6 + 12 + 10 + 9 + 1 + 4 + 3 + 3 + 2) + 24
 CLIP_BYTES: Final = 8 * 6
 
 

@@ -17,9 +17,43 @@ typedef struct {
 } general_tile;
 
 typedef struct {
-    reals first, last;  // t of the first and last kept hit; first is INFINITY where nothing is kept
+    reals first, last;  // t of the first and last kept hit; first is INFINITY, last 0, where nothing is kept
     mask kind;          // of the first
+#if EXACT
+    reals first_error, last_error;  // bounds of their absolute errors
+    mask doubt;         // some decision is within its error bound
+#endif
 } hits;
+
+#if EXACT
+// S this many times its error bound is safely a hit: the root's error is then below 1/16 of sqrt(error).
+#define CLEAR 64.0
+
+// What set-up lost in double-double, in the sizes that its terms had before they cancelled.
+static void add_setup_noise(general_tile *g, __global const general_record *r, double du, double dv)
+{
+    double moving = norm_at(r->moving_norm, du, dv);
+    double x = (g->flags & ORTHOGRAPHIC) ? moving : r->fixed_norm;
+    double y = (g->flags & ORTHOGRAPHIC) ? r->fixed_norm : moving;
+    // Every double-double is within 2^-98 kappa of its size, a Pluecker coordinate within twice that of x y; products
+    // of two such then differ by 2 l d + d^2. The last doubling is for what a dozen more operations add.
+    double unit = 0x1p-95 * r->kappa;
+    double l = norm_at(r->moment_norm, du, dv), d = unit * x * y;
+    g->s.error += r->compound_sum * ((2.0 * l + d) * d + 0x1p-95 * l * l);
+    g->a.error += unit * r->spatial_sum * y * y;
+    g->b.error += unit * r->form_sum * x * y;
+    g->c.error += unit * r->form_sum * x * x;
+    if (!(g->flags & HAS_RANGE))
+        return;
+    for (int side = 0; side < 2; side++) {
+        double end = r->end[side];
+        g->range[side].error += unit * (x + end);
+        double e = l * (1.0 + end), de = d * (1.0 + end);
+        g->cap[side].error += r->form_sum * ((2.0 * e + de) * de + 0x1p-95 * e * e);
+    }
+    g->height.error += unit * y;
+}
+#endif
 
 static inline general_tile move_general(__global const general_record *r, __global const clip_record *clips,
                                         double tile_u, double tile_v, real near, real far)
@@ -31,7 +65,7 @@ static inline general_tile move_general(__global const general_record *r, __glob
     g.c = move_quadratic(r->c, du, dv);
     g.b = move_linear(r->b, du, dv);
     g.flags = r->flags;
-    if (g.flags & (HAS_RANGE | HAS_CAPS)) {
+    if (g.flags & HAS_RANGE) {
         for (int side = 0; side < 2; side++) {
             g.range[side] = move_linear(r->range[side], du, dv);
             g.cap[side] = move_quadratic(r->cap[side], du, dv);
@@ -44,28 +78,71 @@ static inline general_tile move_general(__global const general_record *r, __glob
     g.tile_v = tile_v;
     g.near = near;
     g.far = far;
+#if EXACT
+    add_setup_noise(&g, r, du, dv);
+#endif
     return g;
 }
 
-// Written so that a NaN is not kept.
-static inline mask in_depth(const general_tile *g, reals t)
+// Keeps the lanes of `kept` where value >= 0 (NaN drops), and notes those that the error leaves open.
+#if EXACT
+#define KEEP(kept, doubt, value, error)                   \
+    do {                                                  \
+        doubt |= kept & (magnitude(value) < (error));          \
+        kept &= (value) >= 0;                             \
+    } while (0)
+#else
+#define KEEP(kept, doubt, value, error) kept &= (value) >= 0
+#endif
+
+static inline mask in_depth(const general_tile *g, reals t, reals error, mask kept, mask *doubt)
 {
-    return (t > 0) & (t < INFINITY) & (t >= g->near) & (t <= g->far);
+    // A root beyond all numbers is none; written so that a NaN is not kept.
+    kept &= t < INFINITY;
+    KEEP(kept, *doubt, t, 2 * error);
+    kept &= t > 0;
+    if (g->near > 0)
+        KEEP(kept, *doubt, t - g->near, error + 2 * (real)UNIT_ROUNDOFF * g->near);
+    if (g->far < INFINITY)
+        KEEP(kept, *doubt, g->far - t, error + 2 * (real)UNIT_ROUNDOFF * g->far);
+    return kept;
 }
 
-static inline mask in_clips(const general_tile *g, reals t, reals x, real y)
+static inline mask in_clips(const general_tile *g, reals t, reals error, reals x, real y, mask kept, mask *doubt)
 {
-    mask kept = (mask)(-1);
     for (int k = 0; k < g->clip_count; k++) {
         linear offset = move_linear(g->clips[k].offset, g->tile_u, g->tile_v);
         linear slope = move_linear(g->clips[k].slope, g->tile_u, g->tile_v);
-        kept &= at_linear(offset, x, y) + at_linear(slope, x, y) * t >= 0;
+        reals along = at_linear(slope, x, y);
+        reals value = at_linear(offset, x, y) + along * t;
+        KEEP(kept, *doubt, value,
+             offset.error + t * slope.error + magnitude(along) * error + CHAIN * (offset.error * (1 / CHAIN) + magnitude(along * t)));
     }
     return kept;
 }
 
-static inline void take(hits *h, mask kept, reals t, int kind)
+static inline mask in_range(const general_tile *g, reals t, reals error, reals x, real y, mask kept, mask *doubt)
 {
+    reals height = at_linear(g->height, x, y);
+    reals rise = height * t;
+    for (int side = 0; side < 2; side++) {
+        reals offset = at_linear(g->range[side], x, y);
+        reals value = side == 0 ? offset + rise : -(offset + rise);
+        KEEP(kept, *doubt, value,
+             g->range[side].error + t * g->height.error + magnitude(height) * error + CHAIN * (magnitude(offset) + magnitude(rise)));
+    }
+    return kept;
+}
+
+static inline void take(hits *h, mask kept, reals t, reals error, int kind)
+{
+#if EXACT
+    // Which of two hits comes first must be clear, unless both are equal by construction (the caller's case).
+    h->doubt |= kept & (h->first < INFINITY) & (magnitude(t - h->first) <= error + h->first_error);
+    h->doubt |= kept & (h->last > 0) & (magnitude(t - h->last) <= error + h->last_error);
+    h->first_error = (kept & (t < h->first)) ? error : h->first_error;
+    h->last_error = (kept & (t > h->last)) ? error : h->last_error;
+#endif
     mask nearer = kept & (t < h->first);
     h->first = nearer ? t : h->first;
     h->kind = nearer ? (mask)(kind) : h->kind;
@@ -73,46 +150,80 @@ static inline void take(hits *h, mask kept, reals t, int kind)
     h->last = farther ? t : h->last;
 }
 
-static inline hits candidates(const general_tile *g, reals x, real y)
+// One loop over what is left of the four keeps the kernel small: PoCL inlines every call.
+__attribute__((noinline)) static hits candidates(const general_tile *g, reals x, real y)
 {
-    hits h = {(reals)(INFINITY), (reals)(0), (mask)(0)};
+    hits h;
+    h.first = (reals)(INFINITY);
+    h.last = (reals)(0);
+    h.kind = (mask)(0);
+    reals t[4], error[4];
+    mask kept[4], doubt = (mask)(0);
+    int kind[4], count = 0;
+
     reals s = at_quadratic(g->s, x, y);
     mask real_roots = s >= 0;
-    if (g->flags & (ALWAYS_REAL | SINGULAR)) {
-        real_roots = (g->flags & ALWAYS_REAL) ? (mask)(-1) : real_roots;
-        s = s >= 0 ? s : (reals)(0);
-    }
+#if EXACT
+    h.first_error = h.last_error = (reals)(0);
+    h.doubt = (mask)(0);
+    real_roots = s >= -g->s.error;
+#endif
+    if (g->flags & ALWAYS_REAL)
+        real_roots = (mask)(-1);
     if (some(real_roots)) {
         reals a = at_quadratic(g->a, x, y);
         reals b = at_linear(g->b, x, y);
         reals c = at_quadratic(g->c, x, y);
-        reals root = sqrt(s);
+        reals root = sqrt(s > 0 ? s : (reals)(0));
         reals q = b < 0 ? root - b : -(root + b);
-        reals ta = q / a, tc = c / q;
-        mask ka = real_roots & in_depth(g, ta), kc = real_roots & in_depth(g, tc);
-        if (g->flags & HAS_RANGE) {
-            reals low = at_linear(g->range[0], x, y), high = at_linear(g->range[1], x, y);
-            reals height = at_linear(g->height, x, y);
-            ka &= (low + height * ta >= 0) & (high + height * ta <= 0);
-            kc &= (low + height * tc >= 0) & (high + height * tc <= 0);
-        }
-        if (g->clip_count > 0 && some(ka | kc)) {
-            ka &= in_clips(g, ta, x, y);
-            kc &= in_clips(g, tc, x, y);
-        }
-        take(&h, ka, ta, ROOT_A);
-        take(&h, kc, tc, ROOT_C);
+        t[ROOT_A] = q / a;
+        t[ROOT_C] = c / q;
+        kept[ROOT_A] = kept[ROOT_C] = real_roots;
+        kind[ROOT_A] = ROOT_A;
+        kind[ROOT_C] = ROOT_C;
+        count = 2;
+#if EXACT
+        reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
+        reals size_a = magnitude(a), size_q = magnitude(q);
+        reals q_error = g->b.error + root_error + 4 * UNIT_ROUNDOFF * size_q;
+        // First-order terms doubled: they are small wherever the divisors are clear of their errors.
+        reals size_ta = magnitude(t[ROOT_A]), size_tc = magnitude(t[ROOT_C]);
+        error[ROOT_A] = 2 * (q_error + size_ta * g->a.error) / size_a + 2 * UNIT_ROUNDOFF * size_ta;
+        error[ROOT_C] = 2 * (g->c.error + size_tc * q_error) / size_q + 2 * UNIT_ROUNDOFF * size_tc;
+        doubt = real_roots & ((s < CLEAR * g->s.error) | (size_a < CLEAR * g->a.error) | (size_q < CLEAR * q_error));
+#endif
     }
     if (g->flags & HAS_CAPS)
-        for (int side = 0; side < 2; side++) {
-            mask kept = at_quadratic(g->cap[side], x, y) <= 0;
-            if (!some(kept))
+        for (int side = 0; side < ((g->flags & FLAT) ? 1 : 2); side++) {
+            reals inside = -at_quadratic(g->cap[side], x, y);
+            mask in_disc = inside >= 0;
+#if EXACT
+            mask open = magnitude(inside) < g->cap[side].error;
+            in_disc |= open;
+#endif
+            if (!some(in_disc))
                 continue;
-            reals t = -at_linear(g->range[side], x, y) / at_linear(g->height, x, y);
-            kept &= in_depth(g, t);
-            if (g->clip_count > 0 && some(kept))
-                kept &= in_clips(g, t, x, y);
-            take(&h, kept, t, side == 0 ? CAP_LOW : CAP_HIGH);
+            reals height = at_linear(g->height, x, y);
+            t[count] = -at_linear(g->range[side], x, y) / height;
+            kept[count] = in_disc;
+            kind[count] = side == 0 ? CAP_LOW : CAP_HIGH;
+#if EXACT
+            reals size = magnitude(height), size_of_t = magnitude(t[count]);
+            error[count] = 2 * (g->range[side].error + size_of_t * g->height.error) / size + 2 * UNIT_ROUNDOFF * size_of_t;
+            doubt |= open | (in_disc & (size < CLEAR * g->height.error));
+#endif
+            count++;
         }
+    for (int k = 0; k < count; k++) {
+        kept[k] = in_depth(g, t[k], error[k], kept[k], &doubt);
+        if ((g->flags & HAS_RANGE) && kind[k] <= ROOT_C)
+            kept[k] = in_range(g, t[k], error[k], x, y, kept[k], &doubt);
+        if (g->clip_count > 0 && some(kept[k]))
+            kept[k] = in_clips(g, t[k], error[k], x, y, kept[k], &doubt);
+        take(&h, kept[k], t[k], error[k], kind[k]);
+    }
+#if EXACT
+    h.doubt |= doubt;
+#endif
     return h;
 }

@@ -1,7 +1,7 @@
 // From keys and winners to the channels of a tile.
 
 // Z, T, P, A, id: what follows from the depth alone.
-static void store_depth_channels(__global const frame *f, const window *w, const tile_state *tile, reals ramp,
+static void store_depth_channels(__global const frame *f, const window *w, tile_state *tile, reals ramp,
                                  __global const uint *id, __global float *planes, __global uint *ids)
 {
     int channels = f->channels;
@@ -11,11 +11,34 @@ static void store_depth_channels(__global const frame *f, const window *w, const
         reals key = tile->key[cell];
         t[cell] = (f->orthographic ? -key : 1 / key) * (real)f->unit;
     }
-    floats out[CELLS];
+    floats out[CELLS] ALIGNED;
+#if EXACT
+    reals error[CELLS];
+    for (int cell = 0; cell < CELLS; cell++) {
+        reals inverse = 1 / tile->key[cell];
+        reals moved = f->orthographic ? tile->slop[cell] : 1.01 * tile->slop[cell] * (inverse * inverse);
+        error[cell] = moved * f->unit + 2 * UNIT_ROUNDOFF * t[cell];
+    }
+#endif
     if (channels & WANT_Z) {
+#if EXACT
+        for (int cell = 0; cell < CELLS; cell++)
+            tile->doubt[cell] |= (tile->winner[cell] != MISS) & may_round_otherwise(t[cell], error[cell]) & DOUBT_VALUE;
+#endif
         for (int cell = 0; cell < CELLS; cell++)
             out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? t[cell] : (reals)(f->background));
         store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
+    }
+    if (channels & WANT_ZBACK) {
+        for (int cell = 0; cell < CELLS; cell++) {
+            reals last = tile->last[cell] * (real)f->unit;
+            mask hit = tile->winner[cell] != MISS;
+            out[cell] = TO_FLOATS(hit ? last : (reals)(f->background));
+#if EXACT
+            tile->doubt[cell] |= hit & may_round_otherwise(last, tile->last_error[cell] * f->unit) & DOUBT_VALUE;
+#endif
+        }
+        store_tile(w, plane_of(f, w, planes, WANT_ZBACK), (__private const float *)out);
     }
     if (channels & WANT_T) {
         for (int cell = 0; cell < CELLS; cell++) {
@@ -23,13 +46,38 @@ static void store_depth_channels(__global const frame *f, const window *w, const
             real v = cell / VECTORS + (real)0.5 - TILE / 2 + middle_v;
             reals x = (real)f->slant[0][0] * u + (real)f->slant[0][1];
             real y = (real)f->slant[1][0] * v + (real)f->slant[1][1];
-            reals distance = t[cell] * sqrt(x * x + (y * y + 1));
+            reals length = sqrt(x * x + (y * y + 1));
+            reals distance = t[cell] * length;
+#if EXACT
+            // x and y are sums of two terms that may cancel; their sum of squares and root add four roundings.
+            reals slant = 8 * UNIT_ROUNDOFF * (fabs(f->slant[0][1]) + fabs(f->slant[1][1]) + magnitude(x) + fabs(y) + 1);
+            tile->doubt[cell] |= (tile->winner[cell] != MISS) & DOUBT_VALUE &
+                                 may_round_otherwise(distance, error[cell] * length + t[cell] * slant);
+#endif
             out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? distance : (reals)(f->background));
         }
         store_tile(w, plane_of(f, w, planes, WANT_T), (__private const float *)out);
     }
     __private const integer *winner = (__private const integer *)tile->winner;
     __private float *pixel_out = (__private float *)out;
+#if EXACT
+    if (channels & WANT_P)
+        for (int pixel = 0; pixel < TILE * TILE; pixel++) {
+            double u = w->u0 + pixel % TILE + 0.5, v = w->v0 + pixel / TILE + 0.5;
+            double depth = ((__private const double *)t)[pixel], largest = 0, lost = 0;
+            for (int j = 0; j < 3; j++) {
+                double d = f->rays[3][j] + (f->rays[4][j] * u + f->rays[5][j] * v);
+                double p = f->rays[0][j] + (f->rays[1][j] * u + f->rays[2][j] * v);
+                double size = fabs(f->rays[0][j]) + fabs(f->rays[1][j] * u) + fabs(f->rays[2][j] * v) +
+                              depth * (fabs(f->rays[3][j]) + fabs(f->rays[4][j] * u) + fabs(f->rays[5][j] * v));
+                largest = fmax(largest, fabs(p + depth * d));
+                lost = fmax(lost, 8 * UNIT_ROUNDOFF * size + ((__private const double *)error)[pixel] * fabs(d));
+            }
+            // Half a unit in the last place of the largest component is at least 2^-25 of it.
+            if (!(lost <= 0x1p-25 * largest) || !(largest < 0x1p127))
+                ((__private integer *)tile->doubt)[pixel] |= DOUBT_POSITION;
+        }
+#endif
     if (channels & WANT_P)
         for (int j = 0; j < 3; j++) {
             // In binary64 whatever the precision: the position keeps what t has.
@@ -67,19 +115,18 @@ static inline reals inverse_length(reals square)
     return 1 / sqrt(square);
 }
 
-// N and ZBack: winner by winner, so that a form is moved to the tile once.
-static void store_form_channels(__global const frame *f, const window *w, const tile_state *tile, reals ramp,
+// N: winner by winner, so that a form is moved to the tile once.
+static void store_form_channels(__global const frame *f, const window *w, tile_state *tile, reals ramp,
                                 __global const int *record_of, __global const simple_record *simple,
                                 __global const general_record *general, __global const clip_record *clips,
                                 real near, real far, __global float *planes)
 {
     int channels = f->channels;
     int middle_u = w->u0 + TILE / 2, middle_v = w->v0 + TILE / 2;
-    floats normal[3][CELLS], back[CELLS];
+    floats normal[3][CELLS] ALIGNED;
     mask left[CELLS];
     for (int cell = 0; cell < CELLS; cell++) {
         normal[0][cell] = normal[1][cell] = normal[2][cell] = (floats)(0.0f);
-        back[cell] = (floats)(f->background);
         left[cell] = tile->winner[cell] >> 2;
     }
     for (int start = 0; start < CELLS;) {
@@ -109,6 +156,13 @@ static void store_form_channels(__global const frame *f, const window *w, const 
             left[cell] = mine ? (mask)(MISS) : left[cell];
             reals px = ramp + (real)(cell % VECTORS * LANES);
             real py = cell / VECTORS + (real)0.5 - TILE / 2;
+#if EXACT
+            // Casting compared keys by the error that any root of S may have; this is the winner's own.
+            if (record >= 0) {
+                reals own = sn.key.b + sn.key.s / tile->root[cell] + 4 * UNIT_ROUNDOFF * tile->root[cell];
+                tile->slop[cell] = mine ? own : tile->slop[cell];
+            }
+#endif
             if (channels & WANT_N) {
                 vector3 n;
                 if (record >= 0)
@@ -117,6 +171,9 @@ static void store_form_channels(__global const frame *f, const window *w, const 
                     n = general_normal_at(&g, &gn, tile->winner[cell] & 3, f->outward, px, py);
                 reals square = n.x * n.x + n.y * n.y + n.z * n.z;
                 mask vanishes = mine & ~(square > 0);
+#if EXACT
+                tile->doubt[cell] |= mine & loose_normal(n.error, square) & DOUBT_NORMAL;
+#endif
                 if (some(vanishes)) {
                     reals u = px + (real)middle_u;
                     real v = py + (real)middle_v;
@@ -131,17 +188,9 @@ static void store_form_channels(__global const frame *f, const window *w, const 
                 normal[1][cell] += TO_FLOATS(mine ? n.y * scale : (reals)(0));
                 normal[2][cell] += TO_FLOATS(mine ? n.z * scale : (reals)(0));
             }
-            if (channels & WANT_ZBACK) {
-                floats z = TO_FLOATS(candidates(&g, px, py).last * (real)f->unit);
-                for (int lane = 0; lane < LANES; lane++)
-                    if (LANE(integer, mine, lane))
-                        LANE(float, back[cell], lane) = LANE(float, z, lane);
-            }
         }
     }
     if (channels & WANT_N)
         for (int j = 0; j < 3; j++)
             store_tile(w, plane_of(f, w, planes, WANT_N) + j * w->plane_size, (__private const float *)normal[j]);
-    if (channels & WANT_ZBACK)
-        store_tile(w, plane_of(f, w, planes, WANT_ZBACK), (__private const float *)back);
 }

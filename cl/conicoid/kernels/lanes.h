@@ -10,6 +10,14 @@
 #error "define LANES as 4, 8 or 16"
 #endif
 
+// EXACT: every decision and every rounding carries a rigorous error bound; pixels in doubt are listed for the host.
+#ifndef EXACT
+#error "define EXACT as 0 or 1"
+#endif
+#if EXACT && REAL_BITS != 64
+#error "EXACT casts in binary64"
+#endif
+
 #define JOIN2(a, b) a##b
 #define JOIN(a, b) JOIN2(a, b)
 #if REAL_BITS == 64
@@ -51,6 +59,15 @@ typedef JOIN(float, LANES) floats;
 #endif
 #endif
 
+// store_tile reads tiles of binary32 in wider vectors.
+#define ALIGNED __attribute__((aligned(64)))
+
+// A tile, and the cells of LANES pixels it is cast in.
+#define TILE 16
+#define VECTORS (TILE / LANES)          // per row
+#define CELLS (TILE * VECTORS)          // per tile
+#define MISS ((integer)-1)              // winner of a pixel that nothing hits
+
 static inline int some(mask m)
 {
 #ifdef FOLD8
@@ -61,6 +78,16 @@ static inline int some(mask m)
 #endif
     long2 c = b.lo | b.hi;
     return (c.x | c.y) != 0;
+}
+
+// |x| as an operator: fabs is one of the calls.
+static inline reals magnitude(reals x)
+{
+#if REAL_BITS == 64
+    return JOIN(as_double, LANES)(JOIN(as_long, LANES)(x) & 0x7fffffffffffffffL);
+#else
+    return JOIN(as_float, LANES)(JOIN(as_int, LANES)(x) & 0x7fffffff);
+#endif
 }
 
 #define LANE(type, vector, lane) (((__private type *)&(vector))[lane])

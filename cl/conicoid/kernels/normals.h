@@ -2,11 +2,18 @@
 
 typedef struct {
     reals x, y, z;
+#if EXACT
+    reals error;    // bound of each component's
+#endif
 } vector3;
 
 typedef struct {
     linear n[3];
     real g[3];
+#if EXACT
+    real floor, root, root_error;    // the error of a component: floor + root sqrt(S) + root_error / sqrt(S)
+    simple_error key;
+#endif
 } simple_normal;
 
 static inline simple_normal move_simple_normal(__global const simple_record *r, double du, double dv)
@@ -16,19 +23,68 @@ static inline simple_normal move_simple_normal(__global const simple_record *r, 
         m.n[j] = move_linear(r->n[j], du, dv);
         m.g[j] = (real)r->g[j];
     }
+#if EXACT
+    // 32 roundings from the moments to a component's value.
+    m.key = simple_error_of(r, du, dv);
+    m.floor = 32 * UNIT_ROUNDOFF * norm_at(r->n_norm, du, dv);
+    m.root = 32 * UNIT_ROUNDOFF * r->g_norm;
+    m.root_error = r->g_norm * m.key.s;
+#endif
     return m;
 }
 
 static inline vector3 simple_normal_at(const simple_normal *m, reals root, reals x, real y)
 {
-    return (vector3){at_linear(m->n[0], x, y) + m->g[0] * root, at_linear(m->n[1], x, y) + m->g[1] * root,
-                     at_linear(m->n[2], x, y) + m->g[2] * root};
+    vector3 n;
+    n.x = at_linear(m->n[0], x, y) + m->g[0] * root;
+    n.y = at_linear(m->n[1], x, y) + m->g[1] * root;
+    n.z = at_linear(m->n[2], x, y) + m->g[2] * root;
+#if EXACT
+    n.error = m->floor + m->root * root + m->root_error / root;
+#endif
+    return n;
 }
 
 typedef struct {
     linear x[3], y[3], moment[3];
     real form[10], map[3][3];
+#if EXACT
+    real floor, root, root_error;    // the error of a component: floor + root sqrt(S) + root_error (its error)
+    real rounding;                      // and, once scaled to size 1, this
+#endif
 } general_normal;
+
+#if EXACT
+static inline real size_of(const linear *l, int count, real *error)
+{
+    real size = 0;
+    for (int k = 0; k < count; k++) {
+        size += fabs(l[k].one) + (TILE / 2) * (fabs(l[k].u) + fabs(l[k].v));
+        *error += l[k].error;
+    }
+    return size;
+}
+
+// First-order bounds by the sums of magnitudes: p of the vectors X, Y, l of the Pluecker coordinates, d of the form,
+// m of the map; constants count the roundings of general_normal_at and are rounded up.
+static inline void bound_general_normal(general_normal *m, __global const general_record *r, double du, double dv)
+{
+    double noise = 0x1p-95 * r->kappa * r->fixed_norm * norm_at(r->moving_norm, du, dv);
+    real point_error = 0, moment_error = 0;
+    real x = 1 + size_of(m->x, 3, &point_error), y = size_of(m->y, 3, &point_error);
+    real l = y + size_of(m->moment, 3, &moment_error);
+    real p = x > y ? x : y, d = (real)r->form_sum, map = 0;
+    point_error += 0x1p-95 * r->kappa * (r->fixed_norm + norm_at(r->moving_norm, du, dv));
+    moment_error += point_error + noise;
+    for (int k = 0; k < 9; k++)
+        map += fabs(m->map[k / 3][k % 3]);
+    real scale = 2 * map * d;
+    m->floor = scale * (16 * UNIT_ROUNDOFF * d * p * l + d * (point_error * l + p * moment_error));
+    m->root = scale * (point_error + 4 * UNIT_ROUNDOFF * p);
+    m->root_error = scale * p;
+    m->rounding = 16 * UNIT_ROUNDOFF * scale;
+}
+#endif
 
 static inline general_normal move_general_normal(__global const general_record *r, double du, double dv)
 {
@@ -42,12 +98,15 @@ static inline general_normal move_general_normal(__global const general_record *
     }
     for (int k = 0; k < 10; k++)
         m.form[k] = (real)r->form[k];
+#if EXACT
+    bound_general_normal(&m, r, du, dv);
+#endif
     return m;
 }
 
 // The gradient at t = q/a is along D(aX - bY - sign(b) sqrt(S) Y), at t = c/q along D(cY - bX - sign(b) sqrt(S) X),
 // with aX - bY = sum_k (DY)_k L_ik and cY - bX = -sum_k (DX)_k L_ik: nothing cancels far from the origin.
-static inline vector3 general_normal_at(const general_tile *g, const general_normal *m, mask kind, int outward,
+__attribute__((noinline)) static vector3 general_normal_at(const general_tile *g, const general_normal *m, mask kind, int outward,
                                         reals px, real py)
 {
     reals X[3], Y[3];
@@ -80,7 +139,7 @@ static inline vector3 general_normal_at(const general_tile *g, const general_nor
     v3 = sign * v3 - signed_root * p3;
     v4 = sign * v4 - signed_root * p4;
     // Keeps the squares below within binary32's range.
-    reals size = fmax(fmax(fabs(v1), fabs(v2)), fmax(fabs(v3), fabs(v4)));
+    reals size = magnitude(v1) + magnitude(v2) + magnitude(v3) + magnitude(v4);
     size = size > 0 ? size : (reals)(1);
     v1 /= size;
     v2 /= size;
@@ -111,5 +170,11 @@ static inline vector3 general_normal_at(const general_tile *g, const general_nor
     n.x = turn * (m->map[0][0] * g1 + m->map[0][1] * g2 + m->map[0][2] * g3);
     n.y = turn * (m->map[1][0] * g1 + m->map[1][1] * g2 + m->map[1][2] * g3);
     n.z = turn * (m->map[2][0] * g1 + m->map[2][1] * g2 + m->map[2][2] * g3);
+#if EXACT
+    reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
+    n.error = (m->floor + m->root * root + m->root_error * root_error) / size + m->rounding;
+    // A cap's normal is one row of the map, a singular surface has none.
+    n.error = (cap | ((g->flags & SINGULAR) ? (mask)(-1) : (mask)(0))) ? (reals)(0) : n.error;
+#endif
     return n;
 }

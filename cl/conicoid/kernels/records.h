@@ -16,6 +16,12 @@ typedef struct {
     double b[LINEAR];
     double n[3][LINEAR];
     double g[3];
+    // Sums of magnitudes, for error bounds: |terms| of S at (u, v) add up to at most (s_norm . (|u|, |v|, 1))^2, those
+    // of b and of the normal's components to at most b_norm, n_norm . (|u|, |v|, 1), of g's to g_norm.
+    double s_norm[LINEAR];
+    double b_norm[LINEAR];
+    double n_norm[LINEAR];
+    double g_norm;
     int centre[2];
 } simple_record;
 
@@ -29,9 +35,15 @@ typedef struct {
     double y[3][LINEAR];
     double moment[3][LINEAR];   // L12, L13, L23 with Lij = Xi Yj - Xj Yi
     double range[2][LINEAR];    // X3 - z0/c, X3 - z1/c
+    double end[2];              // |z0/c|, |z1/c|
     double cap[2][QUADRATIC];   // f at the point where the ray meets z = z0, z1, times Y3^2
     double form[10];            // D11 D12 D13 D14 D22 D23 D24 D33 D34 D44
     double normal[3][3];        // target normal = normal x parameter-space gradient
+    // What set-up itself may have lost: sizes that its double-doubles had before anything cancelled.
+    double kappa;               // condition of the placement
+    double fixed_norm, moving_norm[LINEAR];
+    double moment_norm[LINEAR]; // of the six Pluecker coordinates, after cancelling
+    double form_sum, spatial_sum, compound_sum;  // sums of |Dij|, of those with i, j <= 3, of D's |2x2 minors|
     int centre[2];
     int flags;
     int clip_start;
@@ -42,6 +54,8 @@ typedef struct {
 #define HAS_CAPS 2
 #define ALWAYS_REAL 4   // plane pairs: S is a square, so rounding below zero is no miss
 #define SINGULAR 8      // the gradient vanishes at every real point: double planes, lines, points
+#define FLAT 16         // z0 = z1: both caps are one, and the first wins
+#define ORTHOGRAPHIC 32
 
 // A half-space as seen along the rays: (n.X + d) + t (n.Y) >= 0, linear in absolute pixels.
 typedef struct {

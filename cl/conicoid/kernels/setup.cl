@@ -9,6 +9,8 @@ typedef struct {
     dd fixed[4];
     dd moving[3][4];    // v-coefficient 0: u, 1: v, 2: constant
     dd map[3][3];       // parameter-space gradient row k to world: map[k]
+    // Sizes before any cancellation: every double-double above is within 2^-98 kappa times its size of exact.
+    double4 kappa, map_norm, fixed_norm, moving_norm[3];
     int4 centre_u, centre_v;
 } family;
 
@@ -52,6 +54,15 @@ static void family_of(const int *quadric, __global const double *world_from_obje
             out->map[i][j] = dd_mul(adjugate[i][j], scale);
     }
 
+    double4 spread = (double4)(0.0), rows = (double4)(0.0);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            spread += m[i][j] * m[i][j];
+            rows += out->map[i][j].hi * out->map[i][j].hi;
+        }
+    out->kappa = 8.0 * spread * sqrt(spread) / fabs(determinant.hi);
+    out->map_norm = sqrt(rows);
+
     double4 u = convert_double4(out->centre_u), v = convert_double4(out->centre_v);
     dd point[3], direction[3];
     for (int k = 0; k < 3; k++) {
@@ -79,6 +90,27 @@ static void family_of(const int *quadric, __global const double *world_from_obje
             }
             out->moving[k][i] = dd_dot3(out->map[i], part);
         }
+    }
+    double4 point_norm = (double4)(0.0), direction_norm = (double4)(0.0);
+    for (int k = 0; k < 3; k++) {
+        // A double-double sum errs by its result's size; only an orthographic origin is itself rounded, to 2^-106.
+        double4 p = fabs(point[k].hi), d = fabs(direction[k].hi);
+        int part = orthographic ? 1 : 4;
+        double4 shift = fabs(ray_part(rays, part, k).hi * u) + fabs(ray_part(rays, part + 1, k).hi * v);
+        p += orthographic ? 0x1p-6 * (shift + fabs(ray_part(rays, 0, k).hi)) : (double4)(0.0);
+        d += orthographic ? (double4)(0.0) : 0x1p-6 * unit * (shift + fabs(ray_part(rays, 3, k).hi));
+        point_norm += p;
+        direction_norm += d;
+    }
+    point_norm = point_norm * out->map_norm + 1.0;
+    direction_norm *= out->map_norm;
+    out->fixed_norm = orthographic ? direction_norm : point_norm;
+    out->moving_norm[2] = orthographic ? point_norm : direction_norm;
+    for (int k = 0; k < 2; k++) {
+        double4 sum = (double4)(0.0);
+        for (int j = 0; j < 3; j++)
+            sum += fabs(ray_part(rays, (orthographic ? 1 : 4) + k, j).hi) * scale;
+        out->moving_norm[k] = sum * out->map_norm;
     }
     dd one = dd_from((double4)(1.0)), zero = dd_from((double4)(0.0));
     out->fixed[3] = orthographic ? zero : one;
@@ -171,6 +203,26 @@ void set_up_simple(int count, __global const int *list, __global const double *w
     for (int k = 0; k < QUADRATIC; k++)
         s[k] = (s[k] / ff) / ff;
 
+    // Norms of the moments, widened by what double-double lost: 2 |l| d + d^2 <= 40u ((|l| + d / 40u)^2 - |l|^2).
+    double4 s_norm[LINEAR], b_norm[LINEAR], n_norm[LINEAR], f_norm = (double4)(0.0);
+    for (int i = 0; i < 4; i++)
+        f_norm += f.fixed[i].hi * f.fixed[i].hi;
+    f_norm = sqrt(f_norm);
+    // An eye so near the surface that F'DF itself is in doubt gives infinite bounds: exact arithmetic takes over.
+    double4 certain = fabs(ff) > 0x1p-38 * f.kappa * f.fixed_norm * f.fixed_norm ? (double4)(1.0) : (double4)(INFINITY);
+    for (int k = 0; k < LINEAR; k++) {
+        double4 moment = (double4)(0.0), moving = (double4)(0.0);
+        for (int p = 0; p < 6; p++)
+            moment += l[p][k] * l[p][k];
+        for (int i = 0; i < 4; i++)
+            moving += f.moving[k][i].hi * f.moving[k][i].hi;
+        moment = sqrt(moment) + 0x1p-48 * f.kappa * f.fixed_norm * f.moving_norm[k];
+        s_norm[k] = certain * moment / fabs(ff);
+        b_norm[k] = certain * (f_norm * sqrt(moving) + 0x1p-44 * f.kappa * f.fixed_norm * f.moving_norm[k]) / fabs(ff);
+        n_norm[k] = certain * f.map_norm * f_norm * moment / fabs(ff);
+    }
+    double4 g_norm = f.map_norm * (f_norm + 0x1p-44 * f.kappa * f.fixed_norm);
+
     // Normals to unit length at the centre: binary32 casting squares them.
     double4 length = (double4)(0.0);
     for (int j = 0; j < 3; j++)
@@ -189,6 +241,13 @@ void set_up_simple(int count, __global const int *list, __global const double *w
                 r->n[j][k] = scale * (target[j] * AT(n[0][k], lane) + target[3 + j] * AT(n[1][k], lane) + target[6 + j] * AT(n[2][k], lane));
             r->g[j] = scale * (target[j] * AT(g[0], lane) + target[3 + j] * AT(g[1], lane) + target[6 + j] * AT(g[2], lane));
         }
+        // A target frame is a rotation within 1e-6.
+        for (int k = 0; k < LINEAR; k++) {
+            r->s_norm[k] = AT(s_norm[k], lane);
+            r->b_norm[k] = AT(b_norm[k], lane);
+            r->n_norm[k] = 2.0 * scale * AT(n_norm[k], lane);
+        }
+        r->g_norm = 2.0 * scale * AT(g_norm, lane);
         r->centre[0] = middle[quadric[lane]].x;
         r->centre[1] = middle[quadric[lane]].y;
     }
@@ -242,6 +301,7 @@ void set_up_general(int count, __global const int *list, __global const double *
     for (int p = 0; p < 6; p++)
         l[p] = pluecker(&f, first_of[p], second_of[p]);
 
+    double4 form_sum = (double4)(0.0), spatial_sum = (double4)(0.0), compound_sum = (double4)(0.0);
     dd zero = dd_from((double4)(0.0));
     quadratic_form s, vv;
     dd fv[LINEAR], ff = zero;
@@ -253,6 +313,7 @@ void set_up_general(int count, __global const int *list, __global const double *
         for (int q = p; q < 6; q++) {
             int i = first_of[p], j = second_of[p], k = first_of[q], m = second_of[q];
             dd compound = dd_minor(form[upper(i, k)], form[upper(j, m)], form[upper(i, m)], form[upper(j, k)]);
+            compound_sum += (p == q ? 1.0 : 2.0) * fabs(compound.hi);
             if (nonzero(compound))
                 add_product(&s, dd_scale(compound, (double4)(p == q ? -1.0 : -2.0)), &l[p], &l[q]);
         }
@@ -262,6 +323,9 @@ void set_up_general(int count, __global const int *list, __global const double *
             vi.c[k] = f.moving[k][i];
         for (int j = 0; j < 4; j++) {
             dd d = form[upper(i, j)];
+            form_sum += fabs(d.hi);
+            if (i < 3 && j < 3)
+                spatial_sum += fabs(d.hi);
             if (!nonzero(d))
                 continue;
             linear_form vj;
@@ -276,6 +340,7 @@ void set_up_general(int count, __global const int *list, __global const double *
 
     // Extent planes at z/c, and the cap conics EDE with E = X Y3' - Y X3', the point where the ray meets the plane.
     dd range[2][LINEAR];
+    double4 end[2];
     quadratic_form cap[2];
     for (int side = 0; side < 2; side++) {
         double4 z, c;
@@ -285,6 +350,7 @@ void set_up_general(int count, __global const int *list, __global const double *
             AT(c, lane) = radii[3 * quadric[lane] + 2];
         }
         dd height = dd_div(dd_from(z), dd_from(c));
+        end[side] = fabs(height.hi);
         for (int k = 0; k < LINEAR; k++)
             range[side][k] = orthographic ? f.moving[k][2] : k == 2 ? f.fixed[2] : zero;
         range[side][2] = dd_sub(range[side][2], height);
@@ -327,6 +393,7 @@ void set_up_general(int count, __global const int *list, __global const double *
             }
         for (int side = 0; side < 2; side++) {
             store(r->range[side], range[side], LINEAR, lane);
+            r->end[side] = AT(end[side], lane);
             store(r->cap[side], cap[side].c, QUADRATIC, lane);
         }
         store(r->form, form, 10, lane);
@@ -334,9 +401,23 @@ void set_up_general(int count, __global const int *list, __global const double *
             for (int k = 0; k < 3; k++)
                 r->normal[j][k] = target[j] * AT(f.map[k][0].hi, lane) + target[3 + j] * AT(f.map[k][1].hi, lane) +
                                   target[6 + j] * AT(f.map[k][2].hi, lane);
+        r->kappa = AT(f.kappa, lane);
+        r->fixed_norm = AT(f.fixed_norm, lane);
+        for (int k = 0; k < LINEAR; k++)
+            r->moving_norm[k] = AT(f.moving_norm[k], lane);
+        r->form_sum = AT(form_sum, lane);
+        for (int k = 0; k < LINEAR; k++) {
+            double sum = 0.0;
+            for (int p = 0; p < 6; p++)
+                sum += AT(l[p].c[k].hi, lane) * AT(l[p].c[k].hi, lane);
+            r->moment_norm[k] = sqrt(sum);
+        }
+        r->spatial_sum = AT(spatial_sum, lane);
+        r->compound_sum = AT(compound_sum, lane);
         r->centre[0] = middle[q].x;
         r->centre[1] = middle[q].y;
-        r->flags = form_flags[q] | (isfinite(z_range[2 * q]) ? HAS_RANGE : 0) | (capped[q] ? HAS_CAPS : 0);
+        r->flags = form_flags[q] | (isfinite(z_range[2 * q]) ? HAS_RANGE : 0) | (capped[q] ? HAS_CAPS : 0) |
+                   (z_range[2 * q] == z_range[2 * q + 1] ? FLAT : 0) | (orthographic ? ORTHOGRAPHIC : 0);
         r->clip_start = clip_start[q];
         r->clip_count = clip_start[q + 1] - clip_start[q];
     }

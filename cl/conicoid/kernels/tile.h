@@ -1,10 +1,5 @@
 // A tile of the image, what is known of its pixels, and the way out to the planes.
 
-#define TILE 16
-#define VECTORS (TILE / LANES)          // per row
-#define CELLS (TILE * VECTORS)          // per tile
-#define MISS ((integer)-1)
-
 #define WANT_Z 1
 #define WANT_T 2
 #define WANT_ZBACK 4
@@ -22,6 +17,7 @@ typedef struct {
     double near, far;       // in units
     float background;
     int channels;
+    int capacity;           // of the list of doubtful pixels
     int orthographic;
     int outward;
     int crop[4];
@@ -33,7 +29,26 @@ typedef struct {
     reals key[CELLS];       // 1/t (pinhole) or -t (orthographic): larger is nearer
     reals root[CELLS];      // sqrt(S) of simple winners
     mask winner[CELLS];     // 4 x slot + kind, or MISS
+    reals last[CELLS];      // t of the winner's last hit, where ZBack is asked
+#if EXACT
+    reals slop[CELLS];      // bound of the key's error
+    reals last_error[CELLS];
+    mask doubt[CELLS];      // something is not certain
+    mask rival[CELLS];      // 4 x slot + kind of a hit too near the winner to tell apart, or MISS
+#endif
 } tile_state;
+
+// A pixel that binary64 cannot settle.
+typedef struct {
+    int x, y;               // in the whole image
+    int winner, rival;      // as in tile_state
+    int reasons;
+} doubtful_pixel;
+
+#define DOUBT_HIT 1         // what is hit
+#define DOUBT_VALUE 2       // how a depth rounds
+#define DOUBT_NORMAL 4      // the normal, which is too near a tangent ray or a vanishing gradient
+#define DOUBT_POSITION 8
 
 // Where a tile lies in the crop.
 typedef struct {
@@ -61,7 +76,7 @@ static inline window window_of(__global const frame *f, int u0, int v0)
 }
 
 // Whole, aligned rows are streamed past the cache, which saves reading them first.
-static inline void store_tile(const window *w, __global float *plane, __private const float *values)
+__attribute__((noinline)) static void store_tile(const window *w, __global float *plane, __private const float *values)
 {
     __global float *row = plane + (long)w->y * w->width + w->x;
     if (w->x0 == 0 && w->x1 == TILE && ((ulong)row & 63) == 0 && (w->width & 15) == 0) {
