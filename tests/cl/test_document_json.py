@@ -92,6 +92,7 @@ def test_the_fast_reader_takes_plain_scenes() -> None:
         '"radius": 1, "r\\u0061dius": 1',
         '"name": "a", "name": "b"',
         '"name": "\\u003a", "name": "b"',
+        '"name": "b", "name": "\\u003a"',
         '"name": "::", "name": ":"',
         '"name": {"a": 1, "a": 2}',
         '"name": [{"a": 1, "a": 2}]',
