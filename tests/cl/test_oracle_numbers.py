@@ -55,6 +55,7 @@ def test_order_beyond_any_filter() -> None:
     assert compare(surd(p, 0, 0, q), surd(0, 1, 2, 1)) == -sign
     # p/q·√3 against √6: the same question between two different roots.
     assert compare(surd(0, p, 3, q), surd(0, 1, 6, 1)) == -sign
+    assert compare(surd(0, -p, 3, q), surd(0, -1, 6, 1)) == sign
 
 
 @given(small, small, st.tuples(small, small, radicand, st.integers(1, 9)))
@@ -67,6 +68,7 @@ def test_sign_of_a_linear_function_of_a_surd(e: int, g: int, x: tuple[int, int, 
 @example(math.nextafter(2.0**128 - 2.0**103, 0))
 @example(2.0**-150)  # half of the smallest subnormal: a tie that goes to 0
 @example(3 * 2.0**-150)
+@example(2.0**-127 + 1.3 * 2.0**-149)  # a subnormal: rounded to 24 bits first, it would go up
 @example(1 + 2.0**-24)
 @example(1 + 3 * 2.0**-24)
 @example(2.0**-126 - 2.0**-151)
