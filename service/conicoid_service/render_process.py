@@ -6,7 +6,7 @@ import sys
 import time
 
 from conicoid.scene import Scene
-from conicoid_service import exr, warmup
+from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.cpus import usable_cpus
@@ -15,7 +15,7 @@ from conicoid_service.worker import Handler, Reply, serve
 
 
 def start(configuration: Message) -> tuple[Handler, Message]:
-    """Prepare the driver's surroundings, load it, build the kernels.
+    """Prepare the driver's surroundings, load it, build and launch the kernels: no request waits for a compiler.
 
     Raises:
         DeviceError: there is no usable device, or the kernels do not build on it.
@@ -29,8 +29,6 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     from conicoid.engine import Renderer  # loads OpenCL, which reads its environment only once
 
     renderer = Renderer(configuration["device"])
-    for scene in warmup.scenes():
-        exr.encode(renderer.render(scene), scene, "")
 
     def render(message: Message, blobs: list[Blob]) -> Reply:
         scene: Scene = pickle.loads(blobs[0].read())  # noqa: S301  # written by the document process
