@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import pyopencl
 from numpy.typing import NDArray
 
 from conicoid.memory import Queue
@@ -21,14 +20,18 @@ class Bins:
         origin: column and row of the first tile in the whole image.
         columns, rows: how many tiles.
         end: (rows * columns,) int32, where each tile's list ends; it begins where the one before ends.
-        entries: device array of int32 slots.
+        entries: (end[-1],) int32, the slots.
     """
 
     origin: tuple[int, int]
     columns: int
     rows: int
     end: NDArray[np.int32]
-    entries: "pyopencl.Buffer"
+    entries: NDArray[np.int32]
+
+    def slots(self, tile: int) -> NDArray[np.int32]:
+        """The list of one tile, counted row by row."""
+        return self.entries[self.end[tile - 1] if tile else 0 : self.end[tile]]
 
 
 class Binning:
@@ -57,12 +60,12 @@ class Binning:
         counts = corners.reshape(rows + 1, columns + 1).cumsum(0).cumsum(1)[:rows, :columns].ravel()
         end = np.cumsum(counts)
         place = (end - counts).astype(np.int32)
-        entries = self._queue.empty(4 * int(end[-1]))
+        entries = np.empty(int(end[-1]), dtype=np.int32)
         if len(box):
             row_start, slots = _by_row(tiles, rows)
             self._queue.run_grid(self._fill, (rows, 1), self._queue.read_only(row_start),
                                  self._queue.read_only(slots), self._queue.read_only(tiles), np.int32(columns),
-                                 self._queue.in_place(place), entries)  # fmt: skip
+                                 self._queue.in_place(place), self._queue.in_place(entries))  # fmt: skip
         return Bins((x0, y0), columns, rows, end.astype(np.int32), entries)
 
 

@@ -32,7 +32,9 @@ _FRAME: Final = np.dtype(
     align=True,
 )  # fmt: skip
 # `doubtful_pixel` there.
-DOUBT: Final = np.dtype([("x", "i4"), ("y", "i4"), ("winner", "i4"), ("rival", "i4"), ("reasons", "i4")])
+DOUBT: Final = np.dtype(
+    [("depth", "f8"), ("x", "i4"), ("y", "i4"), ("winner", "i4"), ("rival", "i4"), ("reasons", "i4")], align=True
+)
 _ALIGNMENT: Final = 64
 _FIRST_CAPACITY: Final = 4096
 
@@ -100,11 +102,11 @@ class Caster:
             count = np.zeros(1, dtype=np.int32)
             frame["capacity"] = len(doubts)
             queue.run_grid(self._kernels[output.precision], (bins.columns, bins.rows), queue.read_only(frame),
-                           queue.read_only(bins.end), bins.entries, queue.read_only(visible.box),
+                           queue.read_only(bins.end), queue.read_only(bins.entries), queue.read_only(visible.box),
                            queue.read_only(nearest_key), queue.read_only(visible.record),
                            queue.read_only(visible.quadric), queue.read_only(surface_class),
-                           queue.read_only(scene.quadrics.id[visible.quadric]), visible.simple, visible.general,
-                           visible.clips, queue.in_place(floats), queue.in_place(ids), queue.in_place(count),
+                           queue.read_only(scene.quadrics.id[visible.quadric]), queue.in_place(visible.simple),
+                           queue.in_place(visible.general), visible.clips, queue.in_place(floats), queue.in_place(ids), queue.in_place(count),
                            queue.in_place(doubts))  # fmt: skip
             if count[0] <= len(doubts):
                 break

@@ -13,6 +13,7 @@ from conicoid.device import describe, find_device
 from conicoid.memory import Queue
 from conicoid.probe import check_arithmetic
 from conicoid.scene import Camera, Output, Precision, Quadrics, Scene
+from conicoid.settle import settle
 from conicoid.setup import Setup
 from conicoid.view import view_of
 
@@ -28,12 +29,14 @@ class Frame:
         window: (x0, y0, x1, y1), half-open, the data window in pixels of the whole image.
         setup_ms: time spent per quadric: bounds, records, bins.
         cast_ms: time spent per pixel.
+        settled: pixels that binary64 could not certify and exact arithmetic decided (`exact` only).
     """
 
     planes: dict[str, NDArray[Any]]
     window: tuple[int, int, int, int]
     setup_ms: float
     cast_ms: float
+    settled: int = 0
 
 
 class Renderer:
@@ -62,14 +65,18 @@ class Renderer:
         visible = self._setup.run(scene.quadrics, scene.camera, view, want_back="ZBack" in scene.output.channels)
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
-        planes, doubts = self._caster.run(scene, view, visible, bins)
-        self.doubts = doubts
+
+
+        def cast(classes: NDArray[np.int32] | None) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
+            return self._caster.run(scene, view, visible, bins, classes)
+
+        planes, settled = settle(scene, visible, bins, cast)
         window = scene.camera.crop
         if scene.output.data_window == "tight":
             planes, window = _tighten(planes, window)
         planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}
         end = time.perf_counter()
-        return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start))
+        return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start), settled)
 
 
 def _warm_up_scene(precision: Precision) -> Scene:

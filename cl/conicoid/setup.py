@@ -16,9 +16,24 @@ from conicoid.view import View
 
 _CULLED: Final = 0
 _SIMPLE: Final = 1
-# sizeof(simple_record), sizeof(general_record), sizeof(clip_record): 8-byte members, checked by a test.
-SIMPLE_BYTES: Final = 8 * (6 + 3 + 9 + 3 + 3 + 3 + 3 + 1) + 8
-GENERAL_BYTES: Final = 8 * (3 * 6 + 3 + 27 + 6 + 12 + 10 + 9 + 1 + 4 + 3 + 3 + 2) + 24
+# The records of kernels/records.h, member by member.
+SIMPLE: Final = np.dtype(
+    [
+        ("s", "f8", 6), ("b", "f8", 3), ("n", "f8", (3, 3)), ("g", "f8", 3), ("s_norm", "f8", 3), ("b_norm", "f8", 3),
+        ("n_norm", "f8", 3), ("g_norm", "f8"), ("centre", "i4", 2),
+    ],
+    align=True,
+)  # fmt: skip
+GENERAL: Final = np.dtype(
+    [
+        ("s", "f8", 6), ("a", "f8", 6), ("b", "f8", 3), ("c", "f8", 6), ("x", "f8", (3, 3)), ("y", "f8", (3, 3)),
+        ("moment", "f8", (3, 3)), ("range", "f8", (2, 3)), ("end", "f8", 2), ("cap", "f8", (2, 6)), ("form", "f8", 10),
+        ("normal", "f8", (3, 3)), ("kappa", "f8"), ("fixed_norm", "f8"), ("moving_norm", "f8", 3),
+        ("moment_norm", "f8", 3), ("form_sum", "f8"), ("spatial_sum", "f8"), ("compound_sum", "f8"),
+        ("centre", "i4", 2), ("flags", "i4"), ("clip_start", "i4"), ("clip_count", "i4"),
+    ],
+    align=True,
+)  # fmt: skip
 CLIP_BYTES: Final = 8 * 6
 
 
@@ -48,7 +63,8 @@ class Visible:
         box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
         nearest: (m,) float64, lower bounds of the depth, world units, ascending.
         record: (m,) int32, row of `simple`, or ~row of `general`.
-        simple, general, clips: device arrays of the records in `kernels/records.h`.
+        simple, general: records, of SIMPLE and GENERAL.
+        clips: device array of the clip planes' records.
         unit: power of two near the scene's depth; records hold t / unit.
     """
 
@@ -56,8 +72,8 @@ class Visible:
     box: NDArray[np.int32]
     nearest: Floats
     record: NDArray[np.int32]
-    simple: "pyopencl.Buffer"
-    general: "pyopencl.Buffer"
+    simple: NDArray[Any]
+    general: NDArray[Any]
     clips: "pyopencl.Buffer"
     unit: float
 
@@ -95,14 +111,14 @@ class Setup:
 
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
         target = queue.read_only(view.target)
-        simple = queue.empty(SIMPLE_BYTES * int(np.count_nonzero(is_simple)))
-        general = queue.empty(GENERAL_BYTES * int(np.count_nonzero(~is_simple)))
+        simple = np.empty(np.count_nonzero(is_simple), dtype=SIMPLE)
+        general = np.empty(np.count_nonzero(~is_simple), dtype=GENERAL)
         clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
         orthographic = np.int32(view.orthographic)
         if is_simple.any():
             rows = seen[is_simple]
             queue.run(self._simple, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
-                      centres, rays, np.float64(unit), orthographic, target, simple)  # fmt: skip
+                      centres, rays, np.float64(unit), orthographic, target, queue.in_place(simple))  # fmt: skip
         if not is_simple.all():
             rows = seen[~is_simple]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
@@ -110,7 +126,7 @@ class Setup:
                       queue.read_only(_scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
                       queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
                       queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic, target,
-                      general)  # fmt: skip
+                      queue.in_place(general))  # fmt: skip
         if len(quadrics.clip):
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
                       queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip

@@ -46,22 +46,26 @@ class ExactScene:
         pixel = self.pixel(i, j, candidates)
         result: dict[str, float] = {}
         for channel in channels:
-            match channel:
-                case "Z":
-                    result["Z"] = pixel.z if pixel else self._background
-                case "T":
-                    result["T"] = pixel.t if pixel else self._background
-                case "ZBack":
-                    result["ZBack"] = pixel.z_back if pixel else self._background
-                case "N":
-                    result |= _by_axis("N", pixel.normal if pixel else None)
-                case "P":
-                    result |= _by_axis("P", pixel.position if pixel else None)
-                case "id":
-                    result["id"] = int(self._scene.quadrics.id[pixel.quadric]) if pixel else 0
-                case "A":
-                    result["A"] = 1.0 if pixel else 0.0
+            result |= self.channel(channel, pixel)
         return result
+
+    def channel(self, channel: Channel, pixel: ExactPixel | None) -> dict[str, float]:
+        """What one channel's planes hold where `pixel` is seen."""
+        match channel:
+            case "Z":
+                return {"Z": pixel.z if pixel else self._background}
+            case "T":
+                return {"T": pixel.t if pixel else self._background}
+            case "ZBack":
+                return {"ZBack": pixel.z_back if pixel else self._background}
+            case "N":
+                return _by_axis("N", pixel.normal if pixel else None)
+            case "P":
+                return _by_axis("P", pixel.position if pixel else None)
+            case "id":
+                return {"id": int(self._scene.quadrics.id[pixel.quadric]) if pixel else 0}
+            case "A":
+                return {"A": 1.0 if pixel else 0.0}
 
     def sign_fixed(self, quadric: int) -> int:
         """Sign of F'DF: f at the eye (pinhole), or the quadratic form of the rays' direction (orthographic)."""
@@ -77,7 +81,11 @@ class ExactScene:
 
         Then each root of the one is a root of the other at every pixel, with equal t.
         """
-        return self._quadric(first).surface_key(kind) == self._quadric(second).surface_key(other_kind)
+        return self.surface_key(first, kind) == self.surface_key(second, other_kind)
+
+    def surface_key(self, quadric: int, kind: int) -> tuple[fmpz, ...]:
+        """An equation of one surface, or of a cap's plane, in a form that equal sets of points share."""
+        return self._quadric(quadric).surface_key(kind)
 
     def _quadric(self, index: int) -> ExactQuadric:
         if index not in self._quadrics:

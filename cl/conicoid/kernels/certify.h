@@ -41,9 +41,11 @@ static void list_doubts(__global const frame *f, const window *w, const tile_sta
                 reasons &= DOUBT_HIT;
             if (!reasons || x < w->x0 || x >= w->x1 || y < w->y0 || y >= w->y1)
                 continue;
+            double key = LANE(const real, tile->key[cell], lane);
+            double depth = winner == MISS ? 0.0 : (f->orthographic ? -key : 1 / key) * f->unit;
             int place = atomic_inc(count);
             if (place < f->capacity)
-                doubts[place] = (doubtful_pixel){w->u0 + x, w->v0 + y, winner,
+                doubts[place] = (doubtful_pixel){depth, w->u0 + x, w->v0 + y, winner,
                                                  (int)LANE(const integer, tile->rival[cell], lane), reasons};
         }
     }

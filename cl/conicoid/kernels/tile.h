@@ -40,6 +40,7 @@ typedef struct {
 
 // A pixel that binary64 cannot settle.
 typedef struct {
+    double depth;           // of the winner, 0 where there is none
     int x, y;               // in the whole image
     int winner, rival;      // as in tile_state
     int reasons;

@@ -1,0 +1,141 @@
+"""What binary64 could not certify: surfaces that tie by construction, forms that vanish, and single pixels.
+
+Casting lists the pixels where some decision or rounding is within its error bound. Few pixels are solved one by one in
+exact arithmetic. Many have a common cause, which is settled once: surfaces that are the same set of points get one
+class, so that casting orders them by the document; records of quadrics whose forms vanish, or nearly, are rounded
+from exact rationals, so that zero is zero; then the frame is cast again.
+"""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from conicoid.bins import TILE, Bins
+from conicoid.exact import ExactPixel, ExactScene
+from conicoid.scene import Scene
+from conicoid.setup import Visible
+
+# `reasons` and `kind` in kernels/tile.h and candidates.h.
+_DOUBT_HIT: Final = 1
+_DOUBT_NORMAL: Final = 4
+_DOUBT_POSITION: Final = 8
+_SURFACE_OF_KIND: Final = np.array([0, 0, 1, 2])
+
+# Below this, solving pixels is quicker than casting again.
+_FEW: Final = 64
+
+Planes = dict[str, NDArray[Any]]
+Cast = Callable[[NDArray[np.int32] | None], tuple[Planes, NDArray[Any]]]
+
+
+def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Planes, int]:
+    """The exact planes of a frame, and how many of its pixels were solved on the host.
+
+    Args:
+        scene, visible, bins: the frame; `visible.general` is refined in place.
+        cast: casts the frame given the slots' surface classes (`Caster.run`).
+    """
+    exact = ExactScene(scene)
+    classes: NDArray[np.int32] | None = None
+    planes, doubts = cast(classes)
+    if len(doubts) > _FEW:
+        classes = _surface_classes(exact, visible, doubts)
+        if classes is not None:
+            planes, doubts = cast(classes)
+    if len(doubts) > _FEW and _refine(exact, scene, visible, bins, doubts):
+        planes, doubts = cast(classes)
+        again = _surface_classes(exact, visible, doubts) if len(doubts) > _FEW else None
+        if again is not None:
+            planes, doubts = cast(again if classes is None else np.maximum(classes, again))
+    x0, y0 = scene.camera.crop[:2]
+    for doubt in doubts:
+        _solve(exact, scene, visible, bins, planes, doubt, (int(doubt["y"]) - y0, int(doubt["x"]) - x0))
+    return planes, len(doubts)
+
+
+def _surface_classes(exact: ExactScene, visible: Visible, doubts: NDArray[Any]) -> NDArray[np.int32] | None:
+    """(m, 3) classes of the slots' surfaces and caps that tie somewhere; None where no two are the same."""
+    tied = doubts[doubts["rival"] >= 0]
+    hits = np.unique(np.concatenate([tied["winner"], tied["rival"]]))
+    slots, surfaces = hits >> 2, _SURFACE_OF_KIND[hits & 3]
+    numbers: dict[tuple[Any, ...], int] = {}
+    classes = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
+    for slot, surface in sorted({(int(slot), int(surface)) for slot, surface in zip(slots, surfaces, strict=True)}):
+        key = exact.surface_key(int(visible.quadric[slot]), surface)
+        classes[slot, surface] = numbers.setdefault(key, len(numbers))
+    return classes if 0 < len(numbers) < np.count_nonzero(classes >= 0) else None
+
+
+def _refine(exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, doubts: NDArray[Any]) -> bool:
+    """Rounds the general records that the doubtful pixels may see from exact forms; False where there are none."""
+    doubts = doubts[(doubts["reasons"] & _DOUBT_HIT) != 0]
+    tiles = np.unique((doubts["y"] // TILE - bins.origin[1]) * bins.columns + (doubts["x"] // TILE - bins.origin[0]))
+    slots = np.unique(np.concatenate([bins.slots(int(tile)) for tile in tiles])) if len(tiles) else np.empty(0, int)
+    rows = [(int(visible.quadric[slot]), ~int(visible.record[slot])) for slot in slots if visible.record[slot] < 0]
+    for quadric, row in rows:
+        record = visible.general[row]
+        forms = exact.forms(quadric).about(*map(int, record["centre"]))
+        matrix_row = scene.quadrics.matrix_row[quadric]
+        size = np.abs(scene.quadrics.matrix[matrix_row]).max() if matrix_row >= 0 else 1.0
+        # The kernels' forms are scaled to entries below 1, their directions by the unit.
+        shrink, unit = -int(np.frexp(size)[1]) if matrix_row >= 0 else 0, int(np.log2(visible.unit))
+        record["a"] = _padded(forms.a.rounded(), shrink + 2 * unit)
+        record["b"] = _padded(forms.b.rounded(), shrink + unit)[3:]
+        record["c"] = _padded(forms.c.rounded(), shrink)
+        record["s"] = _padded(forms.s.rounded(), 2 * (shrink + unit))
+        record["y"][2] = _padded(forms.height.rounded(), unit)[3:]
+        for side, (offset, cap) in enumerate(zip(forms.range, forms.cap, strict=True)):
+            record["range"][side] = _padded(offset.rounded(), 0)[3:]
+            record["cap"][side] = _padded(cap.rounded(), shrink + 2 * unit)
+        record["kappa"] = 0.0
+    return bool(rows)
+
+
+def _padded(rounded: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
+    """The high parts times 2^exponent, three zeros before a linear form's coefficients."""
+    high = np.ldexp(rounded[:, 0], exponent)
+    return np.concatenate([np.zeros(6 - len(high)), high])
+
+
+def _solve(
+    exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, planes: Planes, doubt: Any, place: tuple[int, int]
+) -> None:
+    """Writes one pixel of the planes."""
+    x, y = int(doubt["x"]), int(doubt["y"])
+    tile = (y // TILE - bins.origin[1]) * bins.columns + (x // TILE - bins.origin[0])
+    slots = bins.slots(tile)
+    box = visible.box[slots]
+    slots = slots[(box[:, 0] <= x) & (x < box[:, 2]) & (box[:, 1] <= y) & (y < box[:, 3])]
+    pixel = _first_hit(exact, visible, slots, doubt, (x, y))
+    reasons, winner = int(doubt["reasons"]), int(doubt["winner"])
+    unchanged = (
+        pixel is not None
+        and winner >= 0
+        and pixel.quadric == visible.quadric[winner >> 2]
+        and pixel.kind == _SURFACE_OF_KIND[winner & 3]
+    )
+    for channel in scene.output.channels:
+        # A certified normal or position stays what casting makes of its winner, whoever else was in doubt.
+        if unchanged and (
+            (channel == "N" and not reasons & _DOUBT_NORMAL) or (channel == "P" and not reasons & _DOUBT_POSITION)
+        ):
+            continue
+        for name, value in exact.channel(channel, pixel).items():
+            planes[name][place] = value
+    if "A" in planes:
+        planes["A"][place] = pixel is not None
+
+
+def _first_hit(
+    exact: ExactScene, visible: Visible, slots: NDArray[np.int32], doubt: Any, place: tuple[int, int]
+) -> ExactPixel | None:
+    """The pixel, looking behind the depth that casting found only where nothing is hit before it."""
+    depth = float(doubt["depth"]) * (1 + 2.0**-20)
+    front = visible.nearest[slots] <= depth
+    if not front.all() and depth > 0:
+        pixel = exact.pixel(*place, visible.quadric[slots[front]].tolist())
+        if pixel is not None and pixel.z <= depth:
+            return pixel
+    return exact.pixel(*place, visible.quadric[slots].tolist())
