@@ -169,6 +169,31 @@ def test_margins_fall_to_zero_at_a_tangent_ray_and_grow_inwards() -> None:
     assert np.all(np.diff(truth.condition[8, 7:13]) < 0)
 
 
+@pytest.mark.parametrize("bound", ["near", "far", "clip", "z_range"])
+def test_margins_fall_to_zero_where_a_bound_is_the_depth(bound: str) -> None:
+    # The middle ray meets the ball at depth 3, where world z = -3 and object z = 1.
+    margins = []
+    for gap in (0.5, 2.0**-10, 2.0**-20, 0.0, -(2.0**-20), -(2.0**-10), -0.5):
+        ball: Document = {"shape": "sphere", "center": [0, 0, -4]}
+        camera: Document = {"width": 1, "height": 1, "fx": 16, "fy": 16}
+        if bound == "near":
+            camera["near"] = 3 - gap
+        elif bound == "far":
+            camera["far"] = 3 + gap
+        elif bound == "clip":
+            ball["clip"] = [[0, 0, -1, -3 + gap]]
+        else:
+            ball["z_range"] = [-2, 1 + gap]
+        truth = oracle.image(as_scene({"conicoid": 1, "quadrics": [ball], "camera": camera}))
+        front = truth.hit.all() and truth.depth.item() == 3
+        assert front == (gap >= 0)
+        margins.append(truth.margin.item())
+    assert margins[3] == 0
+    assert margins[0] > margins[1] > margins[2] > 0 < margins[4] < margins[5] < margins[6]
+    # In the band within 2^-20 of a depth of 3, out of it from 2^-10 on.
+    assert max(margins[2], margins[4]) < FLOAT32_BAND < min(margins[1], margins[5])
+
+
 def test_a_pixel_moved_less_than_its_margin_keeps_its_answer() -> None:
     # Moving the sample by h·2^-20 changes a polynomial by at most 2^-19 of its spread: less than the band's margin.
     document = CATALOGUE["crowd"].document
