@@ -10,11 +10,10 @@ from tests.checkout import ROOT
 SOURCE_ROOTS = ("cl", "service", "clients")
 
 
-def test_wheel_holds_every_tracked_file_of_the_three_packages(wheel: Path) -> None:
-    tracked = subprocess.run(
-        ["git", "ls-files", *SOURCE_ROOTS], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True
-    )
-    expected = {path.partition("/")[2] for path in tracked.stdout.splitlines()}
+def test_wheel_holds_every_file_of_the_three_packages(wheel: Path) -> None:
+    list_files = ["git", "ls-files", "--cached", "--others", "--exclude-standard", *SOURCE_ROOTS]
+    listing = subprocess.run(list_files, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
+    expected = {path.partition("/")[2] for path in listing.stdout.splitlines()}
     packed = {name for name in ZipFile(wheel).namelist() if ".dist-info/" not in name}
     assert packed == expected
     assert any(name.endswith(".cl") for name in packed)
