@@ -211,35 +211,51 @@ class Supervisor:
         """The living child, started if need be; None, with `_failure` set, while it cannot be started."""
         if self._process and self._process.alive():
             return self._process
-        if self._process:
-            self._after = self._process.end()
-            self._process = None
+        self._bury()
         if time.monotonic() < self._next_start or self._stopping.is_set():
             return None
         try:
-            self._process = Process(self._command)
-            if not self._stopping.is_set():  # `stop` interrupts a process that it can see
-                self._process.greet(self._configuration | {"after": self._after}, self._start_deadline_s)
+            self._start_process()
         except (ReportedError, ProcessLostError, OSError) as error:
+            self._bury()
             self._failed_to_start(error)
-            return None
-        self._failure, self._failed_starts = None, 0
+        else:
+            self._failure, self._failed_starts = None, 0
         return self._process
+
+    def _start_process(self) -> None:
+        """Start a child; one that crashes at its start, as compilers in drivers do, is followed by a second."""
+        for attempt in range(1, ATTEMPTS + 1):
+            self._process = Process(self._command)
+            if self._stopping.is_set():  # `stop` interrupts a process that it can see
+                raise ProcessLostError("stopping")
+            try:
+                self._process.greet(self._configuration | {"after": self._after}, self._start_deadline_s)
+            except ProcessLostError as error:
+                if attempt == ATTEMPTS or isinstance(error, DeadlineError) or self._stopping.is_set():
+                    raise
+                logger.warning("the %s process ended at its start (%s), starting another", self.name, error)
+                self._bury()
+            else:
+                return
+
+    def _bury(self) -> None:
+        if self._process:
+            self._after = self._process.end()
+            self._process = None
 
     def _failed_to_start(self, error: Exception) -> None:
         delay_s = RESTART_DELAYS_S[min(self._failed_starts, len(RESTART_DELAYS_S) - 1)]
         self._failed_starts += 1
         self._next_start = time.monotonic() + delay_s
-        if self._process:
-            self._after = self._process.end()
-            self._process = None
         if isinstance(error, ReportedError):
             self._failure = error
         else:
             self._failure = UnavailableError(
                 f"the {self.name} process cannot be started ({error}); the server's log may say why; try again later"
             )
-        logger.error("the %s process did not start, next try in %d s: %s", self.name, delay_s, error)
+        if not self._stopping.is_set():
+            logger.error("the %s process did not start, next try in %d s: %s", self.name, delay_s, error)
 
 
 def _stopping() -> StoppingError:

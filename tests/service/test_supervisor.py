@@ -156,10 +156,19 @@ async def test_a_child_that_hangs_at_its_start_is_ended_by_the_start_deadline() 
             await running.call({"do": "echo"})
 
 
-async def test_a_child_that_crashes_at_its_first_start_is_started_again_and_told_so(tmp_path: Path) -> None:
+async def test_a_child_that_crashes_at_its_start_is_followed_by_one_that_is_told_so(tmp_path: Path) -> None:
     async with supervisor({"start": "crash once", "mark": str(tmp_path / "mark")}) as running:
-        await until(lambda: running.ready)
+        await echo(running)
         assert (await running.hello())["after"] == "SIGABRT"
+
+
+async def test_a_child_that_cannot_start_for_now_is_started_later(tmp_path: Path) -> None:
+    program = tmp_path / "program.py"
+    async with supervisor(command=(sys.executable, str(program))) as running:
+        await until(lambda: running.failure is not None)
+        program.write_text(f"import runpy; runpy.run_path({FAULTY[1]!r}, run_name='__main__')")
+        await until(lambda: running.ready)
+        assert running.failure is None
 
 
 async def test_errors_that_the_child_reports_leave_it_alive() -> None:
