@@ -133,6 +133,9 @@ CHANGES: list[tuple[str, Json]] = [
     ("clip", {"quadrics": [{"shape": "sphere", "clip": [[0, 0, 0, 0]]}]}),
     ("one more", {"quadrics": [{"shape": "sphere"}, {"shape": "sphere"}]}),
     ("matrix", {"quadrics": [{"shape": "quadric", "coefficients": [1, 0, 0, 0, 1, 0, 0, 1, 0, -1]}]}),
+    ("another matrix", {"quadrics": [{"shape": "quadric", "coefficients": [1, 0, 0, 0, 1, 0, 0, 1, 0, -2]}]}),
+    ("clip of the first", {"quadrics": [{"shape": "sphere", "clip": [[0, 0, 1, 0]]}, {"shape": "sphere"}]}),
+    ("clip of the second", {"quadrics": [{"shape": "sphere"}, {"shape": "sphere", "clip": [[0, 0, 1, 0]]}]}),
     ("none", {"quadrics": []}),
     *[
         (key, {"camera": {"width": 4, "height": 4, "fx": 4, "fy": 4} | {key: value}})

@@ -298,3 +298,12 @@ def test_integers_longer_than_python_converts_are_refused_by_name() -> None:
     with pytest.raises(SceneError, match=r"^quadrics\[0\]\.id: 9{60}\.\.\. is not a finite binary64 number; "):
         parse(TEMPLATE.format(quadrics=SPHERE.format(f'"id": {digits}')).encode())
     assert isinstance(read_exact(digits.encode()), Unreadable)
+
+
+def test_a_document_that_does_not_fit_in_memory_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(_: bytes) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("conicoid.document.document.read_fast", exhausted)
+    with pytest.raises(SceneError, match=r"^does not fit in memory; .* \[scene-json\]$"):
+        parse(b"{}")
