@@ -14,7 +14,7 @@ from tests.checkout import ROOT
 SOURCES = {"conicoid": ROOT / "cl", "conicoid_service": ROOT / "service", "conicoid_client": ROOT / "clients"}
 ENGINE_THIRD_PARTY = {"numpy", "pyopencl", "flint", "orjson"}
 DEVICE_SIDE = {
-    f"conicoid.{name}" for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "setup")
+    f"conicoid.{name}" for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "settle", "setup")
 }
 
 

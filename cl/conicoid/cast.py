@@ -14,8 +14,8 @@ from conicoid.setup import Visible
 from conicoid.view import View
 
 _FILES: Final = [
-    "records.h", "lanes.h", "polynomials.h", "tile.h", "candidates.h", "certify.h", "normals.h", "offer.h", "channels.h",
-    "cast.cl",
+    "records.h", "lanes.h", "polynomials.h", "tile.h", "candidates.h", "certify.h", "normals.h", "offer.h",
+    "channels.h", "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
 # Planes lie in this order, whatever order the document asks them in.
@@ -26,8 +26,8 @@ _PLANES: Final = {
 _FRAME: Final = np.dtype(
     [
         ("rays", "f8", (6, 3)), ("back", "f8", (3, 3)), ("slant", "f8", (2, 2)), ("unit", "f8"), ("near", "f8"),
-        ("far", "f8"), ("background", "f4"), ("channels", "i4"), ("capacity", "i4"), ("orthographic", "i4"), ("outward", "i4"),
-        ("crop", "i4", (4,)), ("tile_origin", "i4", (2,)), ("columns", "i4"),
+        ("far", "f8"), ("background", "f4"), ("channels", "i4"), ("capacity", "i4"), ("orthographic", "i4"),
+        ("outward", "i4"), ("crop", "i4", (4,)), ("tile_origin", "i4", (2,)), ("columns", "i4"),
     ],
     align=True,
 )  # fmt: skip
@@ -59,10 +59,8 @@ class Caster:
     ) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
         """Casts the crop.
 
-        Args:
-            scene, view, visible, bins: the frame.
-            surface_class: (m, 3) int32: slots' surface and caps at z0 and z1; those with the same number >= 0 are the
-                same set of points and tie where both are hit.
+        `surface_class`, (m, 3) int32, numbers the slots' surfaces and caps at z0 and z1: those with the same number
+        >= 0 are the same set of points and tie where both are hit.
 
         Returns:
             Planes named as in EXR, in memory that the next run writes over, and the pixels in doubt, (k,) of DOUBT:
@@ -97,17 +95,18 @@ class Caster:
             nearest_key = -depth if view.orthographic else 1 / depth
         if surface_class is None:
             surface_class = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
-        doubts = self._doubts
+        kernel, doubts = self._kernels[output.precision], self._doubts
+        lists = [
+            queue.read_only(array)
+            for array in (bins.end, bins.entries, visible.box, nearest_key, visible.record, visible.quadric,
+                          surface_class, scene.quadrics.id[visible.quadric])
+        ]  # fmt: skip
+        records = [queue.read_only(visible.simple), queue.read_only(visible.general), visible.clips]
         while True:
             count = np.zeros(1, dtype=np.int32)
             frame["capacity"] = len(doubts)
-            queue.run_grid(self._kernels[output.precision], (bins.columns, bins.rows), queue.read_only(frame),
-                           queue.read_only(bins.end), queue.read_only(bins.entries), queue.read_only(visible.box),
-                           queue.read_only(nearest_key), queue.read_only(visible.record),
-                           queue.read_only(visible.quadric), queue.read_only(surface_class),
-                           queue.read_only(scene.quadrics.id[visible.quadric]), queue.in_place(visible.simple),
-                           queue.in_place(visible.general), visible.clips, queue.in_place(floats), queue.in_place(ids), queue.in_place(count),
-                           queue.in_place(doubts))  # fmt: skip
+            results = [queue.in_place(array) for array in (floats, ids, count, doubts)]
+            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, *results)
             if count[0] <= len(doubts):
                 break
             doubts = np.empty(int(count[0]), dtype=DOUBT)

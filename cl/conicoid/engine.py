@@ -66,7 +66,6 @@ class Renderer:
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
 
-
         def cast(classes: NDArray[np.int32] | None) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
             return self._caster.run(scene, view, visible, bins, classes)
 

@@ -33,9 +33,7 @@ Cast = Callable[[NDArray[np.int32] | None], tuple[Planes, NDArray[Any]]]
 def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Planes, int]:
     """The exact planes of a frame, and how many of its pixels were solved on the host.
 
-    Args:
-        scene, visible, bins: the frame; `visible.general` is refined in place.
-        cast: casts the frame given the slots' surface classes (`Caster.run`).
+    `cast` casts the frame given the slots' surface classes (`Caster.run`); `visible.general` is refined in place.
     """
     exact = ExactScene(scene)
     classes: NDArray[np.int32] | None = None
@@ -89,7 +87,8 @@ def _refine(exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, doubt
         for side, (offset, cap) in enumerate(zip(forms.range, forms.cap, strict=True)):
             record["range"][side] = _padded(offset.rounded(), 0)[3:]
             record["cap"][side] = _padded(cap.rounded(), shrink + 2 * unit)
-        record["kappa"] = 0.0
+        # No noise of set-up is left.
+        record["kappa"], record["moment_norm"] = 0.0, 0.0
     return bool(rows)
 
 

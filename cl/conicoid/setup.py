@@ -84,7 +84,7 @@ class Setup:
     def __init__(self, queue: Queue) -> None:
         self._queue = queue
         self._bound = build(queue.context, ["bounds.cl"]).bound_quadrics
-        program = build(queue.context, ["dd.h", "records.h", "setup.cl"])
+        program = build(queue.context, ["dd.h", "records.h", "family.h", "setup_simple.cl", "setup_general.cl"])
         self._simple, self._general, self._clips = (
             program.set_up_simple, program.set_up_general, program.set_up_clips
         )  # fmt: skip

@@ -11,7 +11,6 @@ from conicoid.exact.rays import ExactRays
 from conicoid.exact.rounding import nearest_float32
 from conicoid.exact.surd import Surd, SurdOverRoot
 
-
 Vector = tuple[float, float, float]
 
 

@@ -53,19 +53,20 @@ class ExactScene:
         """What one channel's planes hold where `pixel` is seen."""
         match channel:
             case "Z":
-                return {"Z": pixel.z if pixel else self._background}
+                value = pixel.z if pixel else self._background
             case "T":
-                return {"T": pixel.t if pixel else self._background}
+                value = pixel.t if pixel else self._background
             case "ZBack":
-                return {"ZBack": pixel.z_back if pixel else self._background}
+                value = pixel.z_back if pixel else self._background
             case "N":
                 return _by_axis("N", pixel.normal if pixel else None)
             case "P":
                 return _by_axis("P", pixel.position if pixel else None)
             case "id":
-                return {"id": int(self._scene.quadrics.id[pixel.quadric]) if pixel else 0}
+                value = int(self._scene.quadrics.id[pixel.quadric]) if pixel else 0
             case "A":
-                return {"A": 1.0 if pixel else 0.0}
+                value = 1.0 if pixel else 0.0
+        return {channel: value}
 
     def sign_fixed(self, quadric: int) -> int:
         """Sign of F'DF: f at the eye (pinhole), or the quadratic form of the rays' direction (orthographic)."""

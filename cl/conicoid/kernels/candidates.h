@@ -190,6 +190,8 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
         reals size_ta = magnitude(t[ROOT_A]), size_tc = magnitude(t[ROOT_C]);
         error[ROOT_A] = 2 * (q_error + size_ta * g->a.error) / size_a + 2 * UNIT_ROUNDOFF * size_ta;
         error[ROOT_C] = 2 * (g->c.error + size_tc * q_error) / size_q + 2 * UNIT_ROUNDOFF * size_tc;
+        // Where S is known to be zero both roots are one.
+        kept[ROOT_A] &= (g->s.error > 0 ? (mask)(-1) : (mask)(s != 0));
         doubt = real_roots & ((s < CLEAR * g->s.error) | (size_a < CLEAR * g->a.error) | (size_q < CLEAR * q_error));
 #endif
     }

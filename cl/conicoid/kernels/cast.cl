@@ -143,7 +143,6 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
 #if EXACT
         tile.slop[cell] = (reals)(0);
         tile.doubt[cell] = (mask)(0);
-        tile.rival[cell] = (mask)(MISS);
 #endif
     }
     lists in = {u0, v0, (reals)(0), f->orthographic, f->channels & WANT_ZBACK, document_order, surface_class};

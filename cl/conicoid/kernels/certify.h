@@ -34,7 +34,8 @@ static void list_doubts(__global const frame *f, const window *w, const tile_sta
         if (!some(tile->doubt[cell]))
             continue;
         for (int lane = 0; lane < LANES; lane++) {
-            int reasons = (int)LANE(const integer, tile->doubt[cell], lane);
+            integer doubt = LANE(const integer, tile->doubt[cell], lane);
+            int reasons = (int)(doubt & 0xff);
             int winner = (int)LANE(const integer, tile->winner[cell], lane);
             int x = cell % VECTORS * LANES + lane, y = cell / VECTORS;
             if (winner == MISS)
@@ -46,7 +47,7 @@ static void list_doubts(__global const frame *f, const window *w, const tile_sta
             int place = atomic_inc(count);
             if (place < f->capacity)
                 doubts[place] = (doubtful_pixel){depth, w->u0 + x, w->v0 + y, winner,
-                                                 (int)LANE(const integer, tile->rival[cell], lane), reasons};
+                                                 (int)(doubt >> 32) - 1, reasons};
         }
     }
 }

@@ -14,10 +14,11 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     floats out[CELLS] ALIGNED;
 #if EXACT
     reals error[CELLS];
+    const double per_unit = 1.01 / f->unit;
     for (int cell = 0; cell < CELLS; cell++) {
-        reals inverse = 1 / tile->key[cell];
-        reals moved = f->orthographic ? tile->slop[cell] : 1.01 * tile->slop[cell] * (inverse * inverse);
-        error[cell] = moved * f->unit + 2 * UNIT_ROUNDOFF * t[cell];
+        // t = unit / key moves by t^2 / unit times what the key does.
+        reals moved = f->orthographic ? tile->slop[cell] * f->unit : tile->slop[cell] * (t[cell] * t[cell]) * per_unit;
+        error[cell] = moved + 2 * UNIT_ROUNDOFF * t[cell];
     }
 #endif
     if (channels & WANT_Z) {
@@ -158,17 +159,22 @@ static void store_form_channels(__global const frame *f, const window *w, tile_s
             real py = cell / VECTORS + (real)0.5 - TILE / 2;
 #if EXACT
             // Casting compared keys by the error that any root of S may have; this is the winner's own.
+            reals inverse_root = 1 / tile->root[cell];
             if (record >= 0) {
-                reals own = sn.key.b + sn.key.s / tile->root[cell] + 4 * UNIT_ROUNDOFF * tile->root[cell];
+                reals own = sn.key.b + sn.key.s * inverse_root + 4 * UNIT_ROUNDOFF * tile->root[cell];
                 tile->slop[cell] = mine ? own : tile->slop[cell];
             }
 #endif
             if (channels & WANT_N) {
                 vector3 n;
-                if (record >= 0)
+                if (record >= 0) {
                     n = simple_normal_at(&sn, tile->root[cell], px, py);
-                else
+#if EXACT
+                    n.error = sn.floor + sn.root * tile->root[cell] + sn.root_error * inverse_root;
+#endif
+                } else {
                     n = general_normal_at(&g, &gn, tile->winner[cell] & 3, f->outward, px, py);
+                }
                 reals square = n.x * n.x + n.y * n.y + n.z * n.z;
                 mask vanishes = mine & ~(square > 0);
 #if EXACT

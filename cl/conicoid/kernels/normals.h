@@ -39,9 +39,6 @@ static inline vector3 simple_normal_at(const simple_normal *m, reals root, reals
     n.x = at_linear(m->n[0], x, y) + m->g[0] * root;
     n.y = at_linear(m->n[1], x, y) + m->g[1] * root;
     n.z = at_linear(m->n[2], x, y) + m->g[2] * root;
-#if EXACT
-    n.error = m->floor + m->root * root + m->root_error / root;
-#endif
     return n;
 }
 

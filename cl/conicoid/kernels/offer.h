@@ -20,8 +20,9 @@ static mask settle_ties(tile_state *tile, int cell, mask tied, mask better, mask
         int old = (int)LANE(integer, tile->winner[cell], lane), new = (int)LANE(integer, challenger, lane);
 #if EXACT
         if (!same_class(surface_class, old, new)) {
-            LANE(integer, tile->doubt[cell], lane) |= DOUBT_HIT;
-            LANE(integer, tile->rival[cell], lane) = LANE(integer, better, lane) ? old : new;
+            integer rival = LANE(integer, better, lane) ? old : new;
+            integer reasons = LANE(integer, tile->doubt[cell], lane) & 0xff;
+            LANE(integer, tile->doubt[cell], lane) = (rival + 1) << 32 | reasons | DOUBT_HIT;
             continue;
         }
 #endif

@@ -33,8 +33,7 @@ typedef struct {
 #if EXACT
     reals slop[CELLS];      // bound of the key's error
     reals last_error[CELLS];
-    mask doubt[CELLS];      // something is not certain
-    mask rival[CELLS];      // 4 x slot + kind of a hit too near the winner to tell apart, or MISS
+    mask doubt[CELLS];      // reasons below; in the upper half 1 + (4 x slot + kind) of a hit that ties the winner
 #endif
 } tile_state;
 
@@ -42,7 +41,7 @@ typedef struct {
 typedef struct {
     double depth;           // of the winner, 0 where there is none
     int x, y;               // in the whole image
-    int winner, rival;      // as in tile_state
+    int winner, rival;      // as in tile_state, -1 where there is none
     int reasons;
 } doubtful_pixel;
 
