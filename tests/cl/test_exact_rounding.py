@@ -22,19 +22,25 @@ def rational(value: Fraction) -> Surd:
     return Surd(fmpz(value.numerator), fmpz(0), fmpz(0), fmpz(value.denominator))
 
 
-def disguised(value: Fraction) -> Surd:
-    """The same number with a square root that happens to be rational."""
-    return Surd(fmpz(value.numerator) - 21, fmpz(3), fmpz(49), fmpz(value.denominator))
+# Odd and longer than the first precision: its multiples, as roots of their squares, are not enclosed exactly.
+LONG = fmpz(3) ** 100
 
 
-def unit(value: Fraction) -> SurdOverRoot:
-    """The same number as a fraction under a root that happens to be rational."""
-    return SurdOverRoot(fmpz(value.numerator), fmpz(0), fmpz(value.denominator) ** 2 - 6, fmpz(2), fmpz(9))
+def root(value: Fraction) -> Surd:
+    """The same number as a square root that happens to be rational."""
+    side = 1 if value > 0 else -1
+    return Surd(fmpz(0), fmpz(side), (value.numerator * LONG) ** 2, value.denominator * LONG)
+
+
+def quotient(value: Fraction) -> SurdOverRoot:
+    """The same number as (p + 5 sqrt(s)) / sqrt(m + 2 sqrt(s)) with sqrt(s) = 3^100."""
+    under = (value.denominator * LONG) ** 2
+    return SurdOverRoot((value.numerator - 5) * LONG, fmpz(5), under - 2 * LONG, fmpz(2), LONG * LONG)
 
 
 @given(floats32)
 def test_binary32_values_stay_what_they_are(value: float) -> None:
-    for number in (rational, disguised, unit):
+    for number in (rational, root, quotient):
         rounded = nearest_float32(number(Fraction(value)))
         assert rounded == value
         assert math.copysign(1, rounded) == 1 or value < 0
@@ -49,11 +55,13 @@ def test_midpoints_go_to_even_and_their_neighbours_to_their_side(value: float) -
     middle = (Fraction(float(low)) + top) / 2
     even = low if low.view(np.uint32) % 2 == 0 else high
     little = Fraction(1, 10**400)
-    for number in (rational, disguised, unit):
+    for number in (rational, root, quotient):
         assert nearest_float32(number(middle)) == even
         assert nearest_float32(number(-middle)) == -even
         assert nearest_float32(number(middle - little)) == low
         assert nearest_float32(number(middle + little)) == high
+        assert nearest_float32(number(-middle + little)) == -low
+        assert nearest_float32(number(-middle - little)) == -high
 
 
 @given(st.fractions(), st.integers(-200, 200))
