@@ -11,9 +11,9 @@ import pytest
 from tests.clients.command import CONICOID
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """A running `conicoid serve`; it ends orderly, with status 0."""
+    """A running `conicoid serve`, gone before the tests that kill their children; it ends orderly, with status 0."""
     log = tmp_path_factory.mktemp("serve") / "log"
     with log.open("wb") as stderr:
         server = subprocess.Popen([CONICOID, "serve", "--port", "0"], stdout=subprocess.DEVNULL, stderr=stderr)
