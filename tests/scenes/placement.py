@@ -151,6 +151,12 @@ def tiny_units() -> Document:
 
 
 @scene
+def subnormal_depths() -> Document:
+    """Depths of 4e-41 have 15 bits in float32: none may be flushed to zero."""
+    return document([{"shape": "sphere", "center": [0, 0, -4e-41], "radius": 1.25e-41}], pinhole())
+
+
+@scene
 def depth_beyond_float32() -> Document:
     """Depths of 4e39 are written as inf; A and id still say hit."""
     return document([{"shape": "sphere", "center": [0, 0, -4e39], "radius": 1e39}], pinhole())
