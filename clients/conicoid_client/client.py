@@ -26,11 +26,13 @@ class Rendering:
         exr: the OpenEXR file.
         etag: strong entity tag: the same scene rendered by the same build has the same tag.
         timing_ms: the service's own account (queue, parse, setup, cast, encode), milliseconds.
+        settled: pixels that were settled in exact arithmetic on the host; None where the service did not say.
     """
 
     exr: bytes
     etag: str | None
     timing_ms: dict[str, float]
+    settled: int | None
 
 
 class Client:
@@ -93,10 +95,12 @@ class Client:
         response = self._send("POST", "/v1/render", "image/x-exr", content=body, headers=headers)
         if response.status_code == httpx.codes.NOT_MODIFIED:
             return None
+        settled = response.headers.get("Conicoid-Settled", "")
         return Rendering(
             exr=response.content,
             etag=response.headers.get("ETag"),
             timing_ms=_timing(response.headers.get("Server-Timing", "")),
+            settled=int(settled) if settled.isdecimal() else None,
         )
 
     def canonical(self, scene: Scene) -> bytes:

@@ -38,11 +38,16 @@ def test_render_sends_the_text_as_it_is_and_reads_what_comes_back() -> None:
         assert (request.method, request.url.path) == ("POST", "/v1/render")
         assert request.headers["Content-Type"] == "application/json"
         assert request.content == b'{"conicoid":  1}'
-        return exr(b"exr", {"ETag": '"tag"', "Server-Timing": "cast;dur=4.1, encode;dur=97, odd;desc=x"})
+        return exr(
+            b"exr",
+            {"ETag": '"tag"', "Server-Timing": "cast;dur=4.1, encode;dur=97, odd;desc=x", "Conicoid-Settled": "3"},
+        )
 
     rendering = client(answer).render(b'{"conicoid":  1}')
     assert (rendering.exr, rendering.etag) == (b"exr", '"tag"')
     assert rendering.timing_ms == {"cast": 4.1, "encode": 97.0}
+    assert rendering.settled == 3
+    assert client(lambda _: exr()).render(b"{}").settled is None
 
 
 def test_a_mapping_is_sent_as_json_with_the_precision_asked_for() -> None:

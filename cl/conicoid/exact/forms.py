@@ -24,18 +24,14 @@ class RationalPolynomial:
         """Whether it is 0 at every pixel."""
         return not any(self.whole)
 
-    def rounded(self) -> Floats:
-        """(k, 2) float64 double-doubles (hi, lo) of the coefficients, each part the nearest to what is left.
+    def rounded(self, exponent: int = 0) -> Floats:
+        """(k,) float64, the coefficients times 2^exponent, each rounded once.
 
         Raises:
             OverflowError: a coefficient is beyond binary64.
         """
-        rows = []
-        for value in self.whole:
-            high = int(value) / int(self.over)
-            over, under = high.as_integer_ratio()
-            rows.append((high, int(value * under - over * self.over) / int(self.over * under)))
-        return np.array(rows)
+        up, down = max(exponent, 0), max(-exponent, 0)
+        return np.array([(int(value) << up) / (int(self.over) << down) for value in self.whole])
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,16 @@
 """What one hit pixel shows: every channel as the exact value, rounded once to binary32."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf, isfinite
 
 from flint import fmpz
 
 from conicoid.exact.hits import Hit
 from conicoid.exact.quadric import SURFACE, ExactQuadric
 from conicoid.exact.rays import ExactRays
-from conicoid.exact.rounding import nearest_float32
+from conicoid.exact.rounding import distance, nearest_float32
 from conicoid.exact.surd import Surd, SurdOverRoot
 
 Vector = tuple[float, float, float]
@@ -58,13 +60,30 @@ class ExactPixel:
     @cached_property
     def position(self) -> Vector:
         """World coordinates of the hit."""
-        *axes, weight = (row.at(self._u, self._v) for row in self._rays.position)
-        x, y, z = (nearest_float32(self._first.t.along(*axis, weight[0])) for axis in axes)
+        x, y, z = map(nearest_float32, self._position)
         return x, y, z
 
     @cached_property
     def normal(self) -> Vector:
         """Unit normal in the output's space and on its side; back along the ray where the gradient vanishes."""
+        x, y, z = map(nearest_float32, self._normal)
+        return x, y, z
+
+    def position_errors(self, position: Sequence[float]) -> list[float]:
+        """How far x, y, z are from the exact ones, which infinities beyond binary32 stand for."""
+        return [_error(*pair) for pair in zip(position, self._position, self.position, strict=True)]
+
+    def normal_errors(self, normal: Sequence[float]) -> list[float]:
+        """How far x, y, z are from the exact ones."""
+        return [_error(*pair) for pair in zip(normal, self._normal, self.normal, strict=True)]
+
+    @cached_property
+    def _position(self) -> list[Surd]:
+        *axes, weight = (row.at(self._u, self._v) for row in self._rays.position)
+        return [self._first.t.along(*axis, weight[0]) for axis in axes]
+
+    @cached_property
+    def _normal(self) -> list[SurdOverRoot]:
         t, turn = self._first.t, -1 if self._first.facing > 0 and not self._outward else 1
         if self.kind == SURFACE:
             gradient = [t.along(*row.at(self._u, self._v), fmpz(1)) for row in self._exact.gradient]
@@ -77,5 +96,10 @@ class ExactPixel:
         s = gradient[0].s
         m = sum((axis.p * axis.p + axis.k * axis.k * s for axis in gradient), fmpz(0))
         n = sum((2 * axis.p * axis.k for axis in gradient), fmpz(0))
-        x, y, z = (nearest_float32(SurdOverRoot(turn * axis.p, turn * axis.k, m, n, s)) for axis in gradient)
-        return x, y, z
+        return [SurdOverRoot(turn * axis.p, turn * axis.k, m, n, s) for axis in gradient]
+
+
+def _error(value: float, number: Surd | SurdOverRoot, rounded: float) -> float:
+    if isfinite(value):
+        return distance(value, number)
+    return 0.0 if value == rounded else inf

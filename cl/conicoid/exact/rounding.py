@@ -42,6 +42,20 @@ def nearest_float32(number: Real) -> float:
     return _value(high if side > 0 or (side == 0 and high % 2 == 0) else low)
 
 
+def distance(value: float, number: Real) -> float:
+    """|value - number| to some nine digits of it, or of |value| 2^-60 where that is more."""
+    precision, before = _FIRST_PRECISION, ctx.prec
+    try:
+        while True:
+            ctx.prec = precision
+            ball = abs(number.enclosed() - arb(value))
+            if ball.is_finite() and ball.rad() <= max(float(ball.mid()) * 2.0**-30, abs(value) * 2.0**-60, 2.0**-200):
+                return float(ball.mid())
+            precision *= 2
+    finally:
+        ctx.prec = before
+
+
 def _ordinal(point: arb) -> int:
     """Place of the nearest binary32 value in their order, 0 for zero, one per value; infinity stands for 2^128."""
     mantissa, exponent = (int(part) for part in point.man_exp())

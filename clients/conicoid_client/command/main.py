@@ -13,6 +13,7 @@ from conicoid_client.command.report import report
 DONE, FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 0, 1, 2, 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 _PRECISIONS = ("exact", "float64", "float32")
+_SAMPLES = 4000
 _SERVER = "a running service, as in http://127.0.0.1:8000 (default: $CONICOID_SERVER, else this process)"
 
 
@@ -83,6 +84,18 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--server", metavar="URL", help=_SERVER)
     render.add_argument("-v", "--verbose", action="store_true", help="say what was written and how long it took")
 
+    verify = command("verify", "check a rendering of a scene against exact arithmetic, pixel by pixel")
+    verify.add_argument("scene", metavar="SCENE.json")
+    amount = verify.add_mutually_exclusive_group()
+    amount.add_argument("--every-pixel", action="store_true", help="check all pixels, about a thousand a second")
+    amount.add_argument(
+        "--samples", type=_samples, default=_SAMPLES, metavar="N",
+        help="check N pixels, half of them on silhouettes (default: %(default)s)",
+    )  # fmt: skip
+    verify.add_argument("--precision", choices=_PRECISIONS, help="in place of the scene's own")
+    verify.add_argument("--server", metavar="URL", help=_SERVER)
+    verify.add_argument("--json", action="store_true", help="as JSON")
+
     canonical = command("canonical", "print a scene with everything resolved and every default filled in")
     canonical.add_argument("scene", metavar="SCENE.json")
     canonical.add_argument("--server", metavar="URL", help=_SERVER)
@@ -121,6 +134,10 @@ def _port(text: str) -> int:
 
 def _pixels(text: str) -> int:
     return _whole(text, 1, 1 << 20)
+
+
+def _samples(text: str) -> int:
+    return _whole(text, 1, 1 << 28)
 
 
 def _whole(text: str, least: int, most: int) -> int:

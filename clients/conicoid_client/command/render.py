@@ -3,12 +3,11 @@
 import argparse
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 from conicoid_client import files
 from conicoid_client.client import Rendering
 from conicoid_client.command.connect import connect
+from conicoid_client.command.progress import progress
 from conicoid_client.command.report import UsageError
 
 
@@ -20,7 +19,7 @@ def run(options: argparse.Namespace) -> None:
         files.check_writable(target)
     scene = files.read(options.scene)
     begin = time.perf_counter()
-    with _progress(f"rendering {_name(options.scene)}"), connect(options) as client:
+    with progress(f"rendering {_name(options.scene)}"), connect(options) as client:
         rendering = client.render(scene, precision=options.precision)
     seconds = time.perf_counter() - begin
     files.write(options.output, rendering.exr)
@@ -47,18 +46,3 @@ def _summary(scene: str, rendering: Rendering, seconds: float, written: list[tup
 
 def _name(path: str) -> str:
     return "standard stream" if path == files.STANDARD else path
-
-
-@contextmanager
-def _progress(text: str) -> Iterator[None]:
-    """A moving line on a terminal while the work lasts, and no trace of it afterwards."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield
-        return
-    from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        progress.add_task(text)
-        yield
