@@ -9,7 +9,7 @@ from conicoid.bins import Bins
 from conicoid.device import describe
 from conicoid.memory import Queue
 from conicoid.program import build
-from conicoid.scene import Scene
+from conicoid.scene import Precision, Scene
 from conicoid.setup import Visible
 from conicoid.view import View
 
@@ -35,8 +35,21 @@ _FRAME: Final = np.dtype(
 DOUBT: Final = np.dtype(
     [("depth", "f8"), ("x", "i4"), ("y", "i4"), ("winner", "i4"), ("rival", "i4"), ("reasons", "i4")], align=True
 )
+_HAS_RANGE: Final = 1
 _ALIGNMENT: Final = 64
 _FIRST_CAPACITY: Final = 4096
+
+
+def _arithmetic(precision: Precision, visible: Visible) -> Precision:
+    """`float64` where binary32 cannot tell what an extent keeps: quadrics seen from over 128 times their extent."""
+    if precision != "float32" or not len(visible.general):
+        return precision
+    general = visible.general
+    along, across = np.abs(general["x"][:, 2, 2]), np.abs(general["x"][:, :, 2]).max(axis=1)
+    span = np.abs(general["range"][:, 0, 2] - general["range"][:, 1, 2])
+    ranged = (general["flags"] & _HAS_RANGE) != 0
+    far = (ranged & (along > 128 * span)) | ((general["clip_count"] > 0) & (across > 128))
+    return "float64" if far.any() else precision
 
 
 class Caster:
@@ -95,7 +108,7 @@ class Caster:
             nearest_key = -depth if view.orthographic else 1 / depth
         if surface_class is None:
             surface_class = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
-        kernel, doubts = self._kernels[output.precision], self._doubts
+        kernel, doubts = self._kernels[_arithmetic(output.precision, visible)], self._doubts
         lists = [
             queue.read_only(array)
             for array in (bins.end, bins.entries, visible.box, nearest_key, visible.record, visible.quadric,

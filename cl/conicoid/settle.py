@@ -7,20 +7,21 @@ from exact rationals, so that zero is zero; then the frame is cast again.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.bins import TILE, Bins
-from conicoid.exact import ExactPixel, ExactScene
+from conicoid.exact import ExactForms, ExactPixel, ExactScene
 from conicoid.scene import Scene
 from conicoid.setup import Visible
 
 # `reasons` and `kind` in kernels/tile.h and candidates.h.
 _DOUBT_HIT: Final = 1
-_DOUBT_NORMAL: Final = 4
-_DOUBT_POSITION: Final = 8
+# What else makes a channel doubtful; every reason settles the depths.
+_SETTLES: Final = {"N": 4, "P": 8}
 _SURFACE_OF_KIND: Final = np.array([0, 0, 1, 2])
 
 # Below this, solving pixels is quicker than casting again.
@@ -74,28 +75,27 @@ def _refine(exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, doubt
     rows = [(int(visible.quadric[slot]), ~int(visible.record[slot])) for slot in slots if visible.record[slot] < 0]
     for quadric, row in rows:
         record = visible.general[row]
-        forms = exact.forms(quadric).about(*map(int, record["centre"]))
-        matrix_row = scene.quadrics.matrix_row[quadric]
-        size = np.abs(scene.quadrics.matrix[matrix_row]).max() if matrix_row >= 0 else 1.0
         # The kernels' forms are scaled to entries below 1, their directions by the unit.
-        shrink, unit = -int(np.frexp(size)[1]) if matrix_row >= 0 else 0, int(np.log2(visible.unit))
-        record["a"] = _padded(forms.a.rounded(), shrink + 2 * unit)
-        record["b"] = _padded(forms.b.rounded(), shrink + unit)[3:]
-        record["c"] = _padded(forms.c.rounded(), shrink)
-        record["s"] = _padded(forms.s.rounded(), 2 * (shrink + unit))
-        record["y"][2] = _padded(forms.height.rounded(), unit)[3:]
-        for side, (offset, cap) in enumerate(zip(forms.range, forms.cap, strict=True)):
-            record["range"][side] = _padded(offset.rounded(), 0)[3:]
-            record["cap"][side] = _padded(cap.rounded(), shrink + 2 * unit)
-        # No noise of set-up is left.
-        record["kappa"], record["moment_norm"] = 0.0, 0.0
+        matrix_row = int(scene.quadrics.matrix_row[quadric])
+        shrink = -int(np.frexp(np.abs(scene.quadrics.matrix[matrix_row]).max())[1]) if matrix_row >= 0 else 0
+        with suppress(OverflowError):
+            _write_record(record, exact.forms(quadric).about(*map(int, record["centre"])), shrink, visible.unit)
     return bool(rows)
 
 
-def _padded(rounded: NDArray[np.float64], exponent: int) -> NDArray[np.float64]:
-    """The high parts times 2^exponent, three zeros before a linear form's coefficients."""
-    high = np.ldexp(rounded[:, 0], exponent)
-    return np.concatenate([np.zeros(6 - len(high)), high])
+def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> None:
+    """Rounds every polynomial that decides; a record beyond binary64 stays in doubt."""
+    per_unit = int(np.log2(unit))
+    record["a"] = forms.a.rounded(shrink + 2 * per_unit)
+    record["b"] = forms.b.rounded(shrink + per_unit)
+    record["c"] = forms.c.rounded(shrink)
+    record["s"] = forms.s.rounded(2 * (shrink + per_unit))
+    record["y"][2] = forms.height.rounded(per_unit)
+    for side, (offset, cap) in enumerate(zip(forms.range, forms.cap, strict=True)):
+        record["range"][side] = offset.rounded()
+        record["cap"][side] = cap.rounded(shrink + 2 * per_unit)
+    # No noise of set-up is left.
+    record["kappa"], record["moment_norm"] = 0.0, 0.0
 
 
 def _solve(
@@ -108,18 +108,10 @@ def _solve(
     box = visible.box[slots]
     slots = slots[(box[:, 0] <= x) & (x < box[:, 2]) & (box[:, 1] <= y) & (y < box[:, 3])]
     pixel = _first_hit(exact, visible, slots, doubt, (x, y))
-    reasons, winner = int(doubt["reasons"]), int(doubt["winner"])
-    unchanged = (
-        pixel is not None
-        and winner >= 0
-        and pixel.quadric == visible.quadric[winner >> 2]
-        and pixel.kind == _SURFACE_OF_KIND[winner & 3]
-    )
+    reasons = int(doubt["reasons"])
     for channel in scene.output.channels:
-        # A certified normal or position stays what casting makes of its winner, whoever else was in doubt.
-        if unchanged and (
-            (channel == "N" and not reasons & _DOUBT_NORMAL) or (channel == "P" and not reasons & _DOUBT_POSITION)
-        ):
+        # Where only a depth's rounding was in doubt the normal and position stay what casting makes of its winner.
+        if not reasons & (_DOUBT_HIT | _SETTLES.get(channel, reasons)):
             continue
         for name, value in exact.channel(channel, pixel).items():
             planes[name][place] = value

@@ -20,7 +20,9 @@ static inline double dot3(const double *a, const double *b) { return a[0] * b[0]
 static inline double reach(const double *a, int ellipsoid)
 {
     double sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-    return ellipsoid ? fmin(sqrt(dot3(a, a)), sum) : sum;
+    if (!ellipsoid || !(sum > 0x1p-450 && sum < 0x1p450))
+        return sum;
+    return fmin(sqrt(dot3(a, a)), sum);
 }
 
 // Pixel range of an ellipsoid wholly in front of a pinhole, about the middle pixel m: the projected dual conic's
@@ -29,9 +31,14 @@ static inline double reach(const double *a, int ellipsoid)
 static inline interval ellipsoid_pixels(double t, const double *a, double depth, const double *da)
 {
     double m = t / depth;
-    double b[3] = {a[0] - m * da[0], a[1] - m * da[1], a[2] - m * da[2]};
-    double c13 = dot3(b, da);
-    double c33 = dot3(da, da) - depth * depth;
+    // Over the depth, so that no unit of length is too small or too large to square.
+    double b[3], d[3];
+    for (int k = 0; k < 3; k++) {
+        b[k] = (a[k] - m * da[k]) / depth;
+        d[k] = da[k] / depth;
+    }
+    double c13 = dot3(b, d);
+    double c33 = dot3(d, d) - 1.0;
     double root = sqrt(fmax(c13 * c13 - dot3(b, b) * c33, 0.0));
     double e1 = (c13 + root) / c33;
     double e2 = (c13 - root) / c33;

@@ -1,7 +1,7 @@
 // Every place where a ray can meet a general quadric: both roots of the surface and both caps.
 
-#define ROOT_A 0    // t = q/a, q = -b - sign(b) sqrt(S)
-#define ROOT_C 1    // t = c/q
+#define ROOT_C 0    // t = c/q, q = -b - sign(b) sqrt(S): the nearer of two positive roots, as |q| is the larger
+#define ROOT_A 1    // t = q/a
 #define CAP_LOW 2
 #define CAP_HIGH 3
 
@@ -88,7 +88,7 @@ static inline general_tile move_general(__global const general_record *r, __glob
 #if EXACT
 #define KEEP(kept, doubt, value, error)                   \
     do {                                                  \
-        doubt |= kept & (magnitude(value) < (error));          \
+        doubt |= kept & ~(magnitude(value) >= (error));   \
         kept &= (value) >= 0;                             \
     } while (0)
 #else
@@ -166,7 +166,7 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
 #if EXACT
     h.first_error = h.last_error = (reals)(0);
     h.doubt = (mask)(0);
-    real_roots = s >= -g->s.error;
+    real_roots = ~(s < -g->s.error);
 #endif
     if (g->flags & ALWAYS_REAL)
         real_roots = (mask)(-1);
@@ -192,7 +192,8 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
         error[ROOT_C] = 2 * (g->c.error + size_tc * q_error) / size_q + 2 * UNIT_ROUNDOFF * size_tc;
         // Where S is known to be zero both roots are one.
         kept[ROOT_A] &= (g->s.error > 0 ? (mask)(-1) : (mask)(s != 0));
-        doubt = real_roots & ((s < CLEAR * g->s.error) | (size_a < CLEAR * g->a.error) | (size_q < CLEAR * q_error));
+        // Negated, so that numbers out of range, and their bounds, are in doubt too.
+        doubt = real_roots & ~((s >= CLEAR * g->s.error) & (size_a >= CLEAR * g->a.error) & (size_q >= CLEAR * q_error));
 #endif
     }
     if (g->flags & HAS_CAPS)
@@ -200,7 +201,7 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
             reals inside = -at_quadratic(g->cap[side], x, y);
             mask in_disc = inside >= 0;
 #if EXACT
-            mask open = magnitude(inside) < g->cap[side].error;
+            mask open = ~(magnitude(inside) >= g->cap[side].error);
             in_disc |= open;
 #endif
             if (!some(in_disc))
@@ -212,13 +213,13 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
 #if EXACT
             reals size = magnitude(height), size_of_t = magnitude(t[count]);
             error[count] = 2 * (g->range[side].error + size_of_t * g->height.error) / size + 2 * UNIT_ROUNDOFF * size_of_t;
-            doubt |= open | (in_disc & (size < CLEAR * g->height.error));
+            doubt |= open | (in_disc & ~(size >= CLEAR * g->height.error));
 #endif
             count++;
         }
     for (int k = 0; k < count; k++) {
         kept[k] = in_depth(g, t[k], error[k], kept[k], &doubt);
-        if ((g->flags & HAS_RANGE) && kind[k] <= ROOT_C)
+        if ((g->flags & HAS_RANGE) && kind[k] < CAP_LOW)
             kept[k] = in_range(g, t[k], error[k], x, y, kept[k], &doubt);
         if (g->clip_count > 0 && some(kept[k]))
             kept[k] = in_clips(g, t[k], error[k], x, y, kept[k], &doubt);

@@ -45,7 +45,8 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
             reals lead = b.u * x + b_row;
 #if EXACT
             reals needed = (tile->key[cell] - (slop + tile->slop[cell])) - lead;
-            mask plausible = (at >= -error.s) & ((needed <= 0) | (at + 4 * error.s >= needed * needed));
+            // Negated, so that bounds out of range leave everything in doubt.
+            mask plausible = ~((at < -error.s) | ((needed > 0) & (at + 4 * error.s < needed * needed)));
 #else
             reals needed = (tile->key[cell] - lead) * shrink;
             mask plausible = (at >= 0) & ((needed <= 0) | (at >= needed * needed));
@@ -56,7 +57,7 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
             // NaN, and so never better, where S is negative.
             reals key = lead + root;
 #if EXACT
-            mask open = plausible & (at < (real)CLEAR * error.s);
+            mask open = plausible & ~(at >= (real)CLEAR * error.s);
             tile->doubt[cell] |= open & DOUBT_HIT;
 #endif
             offer(tile, cell, key, (reals)(slop), root, challenger, in->document_order, in->surface_class);

@@ -25,7 +25,10 @@ static inline mask may_round_otherwise(reals x, reals error)
 
 // A unit normal is wrong by less than 4 e / |n| where each component of n is wrong by at most e; a quarter of the
 // promised 2^-23 is left to it, the rest to rounding.
-static inline mask loose_normal(reals e, reals square) { return ~(e * e * 0x1p4 <= square * 0x1p-50); }
+static inline mask loose_normal(reals e, reals square)
+{
+    return ~((e * e * 0x1p4 <= square * 0x1p-50) & ((square > 0x1p-400) | (e == 0)) & (square < 0x1p400));
+}
 
 static void list_doubts(__global const frame *f, const window *w, const tile_state *tile, __global int *count,
                         __global doubtful_pixel *doubts)

@@ -87,7 +87,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
                 double p = f->rays[0][j] + (f->rays[1][j] * u + f->rays[2][j] * v);
                 double d = f->rays[3][j] + (f->rays[4][j] * u + f->rays[5][j] * v);
                 double depth = ((__private const real *)t)[pixel];
-                pixel_out[pixel] = winner[pixel] != MISS ? (float)(p + depth * d) : 0.0f;
+                pixel_out[pixel] = winner[pixel] != MISS ? (float)(p + depth * d) + 0.0f : 0.0f;
             }
             store_tile(w, plane_of(f, w, planes, WANT_P) + j * w->plane_size, pixel_out);
         }

@@ -8,7 +8,8 @@
 typedef struct {
     dd fixed[4];
     dd moving[3][4];    // v-coefficient 0: u, 1: v, 2: constant
-    dd map[3][3];       // parameter-space gradient row k to world: map[k]
+    dd map[3][3];       // parameter-space gradient row k to world, up to a positive factor: map[k]
+    double4 map_unit;   // brings the map's largest entry near 1
     // Sizes before any cancellation: every double-double above is within 2^-98 kappa times its size of exact.
     double4 kappa, map_norm, fixed_norm, moving_norm[3];
     int4 centre_u, centre_v;
@@ -25,20 +26,35 @@ typedef struct {
 // Rows of `rays`: point 1, u, v, direction 1, u, v; each three double-doubles.
 static inline dd ray_part(__global const double *rays, int part, int axis) { return dd_scalar(rays + 6 * part + 2 * axis); }
 
+// 2^-k for x in [2^k, 2^(k+1)), k within +-1000; 1 for 0.
+static inline double power_of_two_near_inverse(double x)
+{
+    long exponent = (as_long(x) >> 52) - 1023;
+    return x > 0.0 ? as_double((1023 - clamp(exponent, -1000L, 1000L)) << 52) : 1.0;
+}
+
 // diag(1/radii) M^-1 as adj(M) / (det(M) radii), and the rays through it.
 static void family_of(const int *quadric, __global const double *world_from_object, __global const double *radii,
                       __global const int2 *middle, __global const double *rays, double unit, int orthographic, family *out)
 {
-    double4 m[3][4], r[3];
+    double4 m[3][4], r[3], shrink;
     for (int lane = 0; lane < 4; lane++) {
         int q = quadric[lane];
-        for (int k = 0; k < 12; k++)
+        double largest = 0.0;
+        for (int k = 0; k < 12; k++) {
             AT(m[k / 4][k % 4], lane) = world_from_object[12 * q + k];
+            largest = k % 4 < 3 ? fmax(largest, fabs(world_from_object[12 * q + k])) : largest;
+        }
+        AT(shrink, lane) = power_of_two_near_inverse(largest);
         for (int k = 0; k < 3; k++)
             AT(r[k], lane) = radii[3 * q + k];
         ((__private int *)&out->centre_u)[lane] = middle[q].x;
         ((__private int *)&out->centre_v)[lane] = middle[q].y;
     }
+    // The world in a unit near the placement's own: nothing in parameter space changes, and determinants stay in range.
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            m[i][j] *= shrink;
     dd adjugate[3][3];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
@@ -62,6 +78,8 @@ static void family_of(const int *quadric, __global const double *world_from_obje
         }
     out->kappa = 8.0 * spread * sqrt(spread) / fabs(determinant.hi);
     out->map_norm = sqrt(rows);
+    for (int lane = 0; lane < 4; lane++)
+        AT(out->map_unit, lane) = power_of_two_near_inverse(AT(out->map_norm, lane));
 
     double4 u = convert_double4(out->centre_u), v = convert_double4(out->centre_v);
     dd point[3], direction[3];
@@ -74,10 +92,12 @@ static void family_of(const int *quadric, __global const double *world_from_obje
             point[k] = dd_add(point[k], shift);
         else
             direction[k] = dd_add(direction[k], shift);
-        direction[k].hi *= unit;
-        direction[k].lo *= unit;
+        point[k].hi *= shrink;
+        point[k].lo *= shrink;
+        direction[k].hi *= shrink * unit;
+        direction[k].lo *= shrink * unit;
     }
-    double scale = orthographic ? 1.0 : unit;
+    double4 scale = shrink * (orthographic ? 1.0 : unit);
     for (int i = 0; i < 3; i++) {
         out->fixed[i] = dd_dot3(out->map[i], orthographic ? direction : point);
         out->moving[2][i] = dd_dot3(out->map[i], orthographic ? point : direction);
@@ -97,8 +117,8 @@ static void family_of(const int *quadric, __global const double *world_from_obje
         double4 p = fabs(point[k].hi), d = fabs(direction[k].hi);
         int part = orthographic ? 1 : 4;
         double4 shift = fabs(ray_part(rays, part, k).hi * u) + fabs(ray_part(rays, part + 1, k).hi * v);
-        p += orthographic ? 0x1p-6 * (shift + fabs(ray_part(rays, 0, k).hi)) : (double4)(0.0);
-        d += orthographic ? (double4)(0.0) : 0x1p-6 * unit * (shift + fabs(ray_part(rays, 3, k).hi));
+        p += orthographic ? 0x1p-6 * shrink * (shift + fabs(ray_part(rays, 0, k).hi)) : (double4)(0.0);
+        d += orthographic ? (double4)(0.0) : 0x1p-6 * shrink * unit * (shift + fabs(ray_part(rays, 3, k).hi));
         point_norm += p;
         direction_norm += d;
     }
@@ -117,6 +137,9 @@ static void family_of(const int *quadric, __global const double *world_from_obje
     out->moving[0][3] = out->moving[1][3] = zero;
     out->moving[2][3] = orthographic ? one : zero;
 }
+
+// Whether products of three such numbers, and their double-double tails, stay within binary64's normal range.
+static inline int workable(double x) { return x == 0.0 || (fabs(x) > 0x1p-280 && fabs(x) < 0x1p280); }
 
 // Pluecker coordinate Lij = Fi Vj - Fj Vi.
 static linear_form pluecker(const family *f, int i, int j)

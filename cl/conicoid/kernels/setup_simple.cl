@@ -49,10 +49,11 @@ void set_up_simple(int count, __global const int *list, __global const double *w
         w[1] = -f.fixed[0].hi * l[0][k] + f.fixed[2].hi * l[2][k] - f.fixed[3].hi * l[4][k];
         w[2] = -f.fixed[0].hi * l[1][k] - f.fixed[1].hi * l[2][k] - f.fixed[3].hi * l[5][k];
         for (int j = 0; j < 3; j++)
-            n[j][k] = -(f.map[0][j].hi * w[0] + f.map[1][j].hi * w[1] + f.map[2][j].hi * w[2]) / ff;
+            n[j][k] = -(f.map[0][j].hi * w[0] + f.map[1][j].hi * w[1] + f.map[2][j].hi * w[2]) * f.map_unit / ff;
     }
     for (int j = 0; j < 3; j++)
-        g[j] = root_sign * (f.map[0][j].hi * f.fixed[0].hi + f.map[1][j].hi * f.fixed[1].hi + f.map[2][j].hi * f.fixed[2].hi);
+        g[j] = root_sign * f.map_unit *
+               (f.map[0][j].hi * f.fixed[0].hi + f.map[1][j].hi * f.fixed[1].hi + f.map[2][j].hi * f.fixed[2].hi);
     for (int k = 0; k < QUADRATIC; k++)
         s[k] = (s[k] / ff) / ff;
 
@@ -72,9 +73,9 @@ void set_up_simple(int count, __global const int *list, __global const double *w
         moment = sqrt(moment) + 0x1p-48 * f.kappa * f.fixed_norm * f.moving_norm[k];
         s_norm[k] = certain * moment / fabs(ff);
         b_norm[k] = certain * (f_norm * sqrt(moving) + 0x1p-44 * f.kappa * f.fixed_norm * f.moving_norm[k]) / fabs(ff);
-        n_norm[k] = certain * f.map_norm * f_norm * moment / fabs(ff);
+        n_norm[k] = certain * f.map_unit * f.map_norm * f_norm * moment / fabs(ff);
     }
-    double4 g_norm = f.map_norm * (f_norm + 0x1p-44 * f.kappa * f.fixed_norm);
+    double4 g_norm = f.map_unit * f.map_norm * (f_norm + 0x1p-44 * f.kappa * f.fixed_norm);
 
     // Normals to unit length at the centre: binary32 casting squares them.
     double4 length = (double4)(0.0);
@@ -85,6 +86,13 @@ void set_up_simple(int count, __global const int *list, __global const double *w
         __global simple_record *r = records + first + lane;
         double scale = AT(length, lane);
         scale = isfinite(scale) ? scale : 1.0;
+        // Underflow has no relative bound: records with such entries are left to exact arithmetic.
+        int in_range = 1;
+        for (int k = 0; k < QUADRATIC; k++)
+            in_range &= workable(AT(s[k], lane)) & workable(k < LINEAR ? AT(b[k], lane) : 0.0);
+        for (int p = 0; p < 6; p++)
+            for (int k = 0; k < LINEAR; k++)
+                in_range &= workable(AT(l[p][k], lane));
         for (int k = 0; k < QUADRATIC; k++)
             r->s[k] = AT(s[k], lane);
         for (int k = 0; k < LINEAR; k++)
@@ -96,7 +104,7 @@ void set_up_simple(int count, __global const int *list, __global const double *w
         }
         // A target frame is a rotation within 1e-6.
         for (int k = 0; k < LINEAR; k++) {
-            r->s_norm[k] = AT(s_norm[k], lane);
+            r->s_norm[k] = in_range ? AT(s_norm[k], lane) : INFINITY;
             r->b_norm[k] = AT(b_norm[k], lane);
             r->n_norm[k] = 2.0 * scale * AT(n_norm[k], lane);
         }
