@@ -1,0 +1,30 @@
+"""Where a frame breaks the promise of `exact` (contract, section 5)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tests.oracle.exact_image import Truth
+from tests.oracle.judge import DEPTHS, float32_steps, normal_error, position_error, wrong_hits
+
+# The reference's own normals are within 2^-52 of exact.
+NORMAL_ERROR = 2.0**-23 + 2.0**-52
+POSITION_UNITS = 1.0
+
+
+def broken(planes: Mapping[str, NDArray[Any]], truth: Truth) -> dict[str, NDArray[np.bool_]]:
+    """The pixels that break a promise, by `hit`, depth channel, `N`, `P` or `zero` (a -0); kept promises are left out."""
+    found = {"hit": wrong_hits(planes, truth), "zero": np.zeros(truth.hit.shape, dtype=bool)}
+    for channel, field in DEPTHS.items():
+        if channel in planes:
+            found[channel] = float32_steps(planes[channel], getattr(truth, field)) > 0
+    if "N.X" in planes:
+        found["N"] = ~(normal_error(planes, truth) <= NORMAL_ERROR)
+    if "P.X" in planes:
+        found["P"] = ~(position_error(planes, truth) <= POSITION_UNITS)
+    for name, plane in planes.items():
+        if name != "id":
+            found["zero"] |= np.signbit(plane) & (plane == 0)
+    return {promise: pixels for promise, pixels in found.items() if pixels.any()}

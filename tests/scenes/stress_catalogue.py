@@ -1,0 +1,23 @@
+"""All stress scenes: importing this fills `STRESS`."""
+
+from tests.scenes import (
+    stress_extent,
+    stress_forms,
+    stress_mix,
+    stress_order,
+    stress_placement,
+    stress_scale,
+    stress_tangent,
+)
+from tests.scenes.stress import STRESS
+
+__all__ = [
+    "STRESS",
+    "stress_extent",
+    "stress_forms",
+    "stress_mix",
+    "stress_order",
+    "stress_placement",
+    "stress_scale",
+    "stress_tangent",
+]
