@@ -167,10 +167,18 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     n.x = turn * (m->map[0][0] * g1 + m->map[0][1] * g2 + m->map[0][2] * g3);
     n.y = turn * (m->map[1][0] * g1 + m->map[1][1] * g2 + m->map[1][2] * g3);
     n.z = turn * (m->map[2][0] * g1 + m->map[2][1] * g2 + m->map[2][2] * g3);
+    // Again, for the caller's squares: the map may shrink some axes by any amount.
+    reals length = magnitude(n.x) + magnitude(n.y) + magnitude(n.z);
+    reals grow = length > 0 ? 1 / length : (reals)(0);
+    n.x *= grow;
+    n.y *= grow;
+    n.z *= grow;
 #if EXACT
     reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
-    n.error = (m->floor + m->root * root + m->root_error * root_error) / size + m->rounding;
+    n.error = ((m->floor + m->root * root + m->root_error * root_error) / size + m->rounding) * grow;
     // A cap's normal is one row of the map, a singular surface has none.
+    // One whose components all vanish, or seem to, is in doubt.
+    n.error = length > 0 ? n.error : (reals)(1);
     n.error = (cap | ((g->flags & SINGULAR) ? (mask)(-1) : (mask)(0))) ? (reals)(0) : n.error;
 #endif
     return n;
