@@ -4,10 +4,13 @@ import importlib.resources
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from typing import Final
 
 import pyopencl
 
 from conicoid.errors import KernelError
+
+_CORRECT_DIVIDE: Final = pyopencl.device_fp_config.CORRECTLY_ROUNDED_DIVIDE_SQRT
 
 
 def build(
@@ -27,6 +30,9 @@ def build(
     parts = ["#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n#pragma OPENCL FP_CONTRACT OFF\n"]
     parts += [f'#line 1 "{name}"\n{(folder / name).read_text(encoding="utf-8")}\n' for name in files]
     options = [f"-D{name}={value}" for name, value in (defines or {}).items()]
+    if all(device.single_fp_config & _CORRECT_DIVIDE for device in context.devices):
+        # binary32 / and sqrt start the normals' Newton step: with it, every device's result is the same.
+        options.append("-cl-fp32-correctly-rounded-divide-sqrt")
     try:
         with warnings.catch_warnings():
             # PoCL writes remarks to the build log of programs that build.

@@ -74,7 +74,7 @@ async def device(request: Request) -> dict[str, Any]:
         "threads": hello["threads"],
         "libraries": {name: version(name) for name in LIBRARIES},
         "precision": {
-            "exact": "evaluated as float64 in this version: not yet exact at every pixel",
+            "exact": "every hit and id decided exactly, every depth correctly rounded; see docs/exactness.md",
             "float64": "evaluated in binary64 after an accurate set-up",
             "float32": "evaluated in binary32 after an accurate set-up",
         },

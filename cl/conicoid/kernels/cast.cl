@@ -58,7 +58,7 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
             reals key = lead + root;
 #if EXACT
             mask open = plausible & ~(at >= (real)CLEAR * error.s);
-            tile->doubt[cell] |= open & DOUBT_HIT;
+            note_doubt(tile, cell, open, DOUBT_HIT);
 #endif
             offer(tile, cell, key, (reals)(slop), root, challenger, in->document_order, in->surface_class);
             improved = 1;
@@ -87,7 +87,7 @@ static int cast_general(tile_state *tile, const general_tile *g, int slot, int4 
             mask hit = h.first < INFINITY;
             reals slop = (reals)(0);
 #if EXACT
-            tile->doubt[cell] |= h.doubt & DOUBT_HIT;
+            note_doubt(tile, cell, h.doubt, DOUBT_HIT);
             improved |= some(h.doubt);
             slop = in->orthographic ? h.first_error : 2 * h.first_error / (h.first * h.first);
             slop = hit ? slop : (reals)(0);
@@ -138,6 +138,9 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
     }
     tile_state tile;
     real empty = f->orthographic ? -INFINITY : 0;
+#if EXACT
+    tile.any_doubt = (mask)(0);
+#endif
     for (int cell = 0; cell < CELLS; cell++) {
         tile.key[cell] = (reals)(empty);
         tile.winner[cell] = (mask)(MISS);

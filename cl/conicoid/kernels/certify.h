@@ -15,24 +15,30 @@ static inline simple_error simple_error_of(__global const simple_record *r, doub
 }
 
 // Whether a value within `error` of x may round to another binary32 than x does: the nearest boundary between two
-// binary32 numbers is half a unit in the last place from the rounded one. Outside binary32's normal range: yes.
+// binary32 numbers is half a unit in the last place from the rounded one. Beyond binary32 the rounded one is infinite,
+// and below its normal range boundaries are farther than is assumed here: both err towards doubt.
 static inline mask may_round_otherwise(reals x, reals error)
 {
     reals rounded = FROM_FLOATS(TO_FLOATS(x));
     reals half_ulp = JOIN(as_double, LANES)(JOIN(as_long, LANES)(x) & 0x7ff0000000000000L) * 0x1p-24;
-    return ~((half_ulp - magnitude(x - rounded) > error) & (magnitude(x) >= 0x1p-126) & (magnitude(x) < 0x1p127));
+    return ~(half_ulp - magnitude(x - rounded) > error);
 }
 
 // A unit normal is wrong by less than 4 e / |n| where each component of n is wrong by at most e; a quarter of the
-// promised 2^-23 is left to it, the rest to rounding.
-static inline mask loose_normal(reals e, reals square)
+// promised 2^-23 is left to it, the rest to rounding. |n| is near 1: records and general_normal_at see to that.
+static inline mask loose_normal(reals e, reals square) { return ~(e * e * 0x1p4 <= square * 0x1p-50); }
+
+static inline void note_doubt(tile_state *tile, int cell, mask lanes, int reason)
 {
-    return ~((e * e * 0x1p4 <= square * 0x1p-50) & ((square > 0x1p-400) | (e == 0)) & (square < 0x1p400));
+    tile->doubt[cell] |= lanes & reason;
+    tile->any_doubt |= lanes;
 }
 
 static void list_doubts(__global const frame *f, const window *w, const tile_state *tile, __global int *count,
                         __global doubtful_pixel *doubts)
 {
+    if (!some(tile->any_doubt))
+        return;
     for (int cell = 0; cell < CELLS; cell++) {
         if (!some(tile->doubt[cell]))
             continue;

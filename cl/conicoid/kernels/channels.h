@@ -24,7 +24,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     if (channels & WANT_Z) {
 #if EXACT
         for (int cell = 0; cell < CELLS; cell++)
-            tile->doubt[cell] |= (tile->winner[cell] != MISS) & may_round_otherwise(t[cell], error[cell]) & DOUBT_VALUE;
+            note_doubt(tile, cell, (tile->winner[cell] != MISS) & may_round_otherwise(t[cell], error[cell]), DOUBT_VALUE);
 #endif
         for (int cell = 0; cell < CELLS; cell++)
             out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? t[cell] : (reals)(f->background));
@@ -36,7 +36,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
             mask hit = tile->winner[cell] != MISS;
             out[cell] = TO_FLOATS(hit ? last : (reals)(f->background));
 #if EXACT
-            tile->doubt[cell] |= hit & may_round_otherwise(last, tile->last_error[cell] * f->unit) & DOUBT_VALUE;
+            note_doubt(tile, cell, hit & may_round_otherwise(last, tile->last_error[cell] * f->unit), DOUBT_VALUE);
 #endif
         }
         store_tile(w, plane_of(f, w, planes, WANT_ZBACK), (__private const float *)out);
@@ -52,8 +52,8 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
 #if EXACT
             // x and y are sums of two terms that may cancel; their sum of squares and root add four roundings.
             reals slant = 8 * UNIT_ROUNDOFF * (fabs(f->slant[0][1]) + fabs(f->slant[1][1]) + magnitude(x) + fabs(y) + 1);
-            tile->doubt[cell] |= (tile->winner[cell] != MISS) & DOUBT_VALUE &
-                                 may_round_otherwise(distance, error[cell] * length + t[cell] * slant);
+            mask open = may_round_otherwise(distance, error[cell] * length + t[cell] * slant);
+            note_doubt(tile, cell, (tile->winner[cell] != MISS) & open, DOUBT_VALUE);
 #endif
             out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? distance : (reals)(f->background));
         }
@@ -76,7 +76,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
             }
             // Half a unit in the last place of the largest component is at least 2^-25 of it.
             if (!(lost <= 0x1p-25 * largest) || !(largest < 0x1p127))
-                ((__private integer *)tile->doubt)[pixel] |= DOUBT_POSITION;
+                ((__private integer *)tile->doubt)[pixel] |= DOUBT_POSITION, tile->any_doubt = (mask)(-1);
         }
 #endif
     if (channels & WANT_P)
@@ -178,7 +178,7 @@ static void store_form_channels(__global const frame *f, const window *w, tile_s
                 reals square = n.x * n.x + n.y * n.y + n.z * n.z;
                 mask vanishes = mine & ~(square > 0);
 #if EXACT
-                tile->doubt[cell] |= mine & loose_normal(n.error, square) & DOUBT_NORMAL;
+                note_doubt(tile, cell, mine & loose_normal(n.error, square), DOUBT_NORMAL);
 #endif
                 if (some(vanishes)) {
                     reals u = px + (real)middle_u;

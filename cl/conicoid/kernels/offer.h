@@ -23,6 +23,7 @@ static mask settle_ties(tile_state *tile, int cell, mask tied, mask better, mask
             integer rival = LANE(integer, better, lane) ? old : new;
             integer reasons = LANE(integer, tile->doubt[cell], lane) & 0xff;
             LANE(integer, tile->doubt[cell], lane) = (rival + 1) << 32 | reasons | DOUBT_HIT;
+            LANE(integer, tile->any_doubt, lane) = -1;
             continue;
         }
 #endif

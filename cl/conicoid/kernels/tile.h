@@ -33,6 +33,7 @@ typedef struct {
 #if EXACT
     reals slop[CELLS];      // bound of the key's error
     reals last_error[CELLS];
+    mask any_doubt;         // lanes where some cell has a doubt
     mask doubt[CELLS];      // reasons below; in the upper half 1 + (4 x slot + kind) of a hit that ties the winner
 #endif
 } tile_state;

@@ -10,12 +10,17 @@ _SLACK = 2.0**-40
 
 
 class PixelBoxes:
-    """Conservative pixel boxes of a scene's quadrics; everything unbounded, or around the eye, is everywhere."""
+    """Conservative pixel boxes of a scene's quadrics.
+
+    Attributes:
+        box: (n, 4) float64, lowest column and row, highest column and row; infinite, or NaN, where there is no bound:
+            what is unbounded, or around the eye, is everywhere.
+    """
 
     def __init__(self, scene: Scene) -> None:
         with np.errstate(all="ignore"):  # what overflows is everywhere
             low, high = _in_camera(scene)
-            self._box = _projected(scene.camera, low, high)
+            self.box = _projected(scene.camera, low, high)
         self._row = -1
         self._in_row = np.empty(0, dtype=np.intp)
 
@@ -23,9 +28,9 @@ class PixelBoxes:
         """Indices, ascending, of the quadrics that may be seen at column i, row j; quickest row by row."""
         if j != self._row:
             # Comparisons so that NaN stays.
-            self._in_row = np.flatnonzero(~((self._box[:, 1] > j) | (self._box[:, 3] < j)))
+            self._in_row = np.flatnonzero(~((self.box[:, 1] > j) | (self.box[:, 3] < j)))
             self._row = j
-        box = self._box[self._in_row]
+        box = self.box[self._in_row]
         found: list[int] = self._in_row[~((box[:, 0] > i) | (box[:, 2] < i))].tolist()
         return found
 

@@ -1,0 +1,91 @@
+"""One renderer on one scene: how long it takes, and how far it is from the exact image."""
+
+import time
+from dataclasses import asdict, dataclass
+from statistics import median
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from conicoid_bench.picture import Job, Picture
+
+# At least three runs after the warming one, more while they are short.
+_RUNS: Final = range(3, 16)
+_ENOUGH_S: Final = 3.0
+
+
+@dataclass(frozen=True)
+class Errors:
+    """A picture against the exact one.
+
+    Depths and normals are compared where both show the same quadric.
+
+    Attributes:
+        wrong_hits: pixels that are a hit in one and a miss in the other.
+        wrong_ids: pixels that show another quadric.
+        worst_ulp, median_ulp: float32 numbers between the depth and the exact one, rounded; None without a pixel.
+        worst_degrees: largest angle between normals; None without a pixel.
+    """
+
+    wrong_hits: int
+    wrong_ids: int
+    worst_ulp: int | None
+    median_ulp: float | None
+    worst_degrees: float | None
+
+
+def compare(picture: Picture, exact: Picture) -> Errors:
+    """The errors of a picture; `exact` has exact ids and depths rounded to nearest."""
+    hit, truth = picture.id != 0, exact.id != 0
+    same = truth & (picture.id == exact.id)
+    wrong_ids = np.count_nonzero(hit & truth & ~same)
+    if not same.any():
+        return Errors(np.count_nonzero(hit != truth), wrong_ids, None, None, None)
+    steps = float32_steps(picture.depth[same], exact.depth[same])
+    degrees = angles(picture.normal[same], exact.normal[same])
+    return Errors(
+        np.count_nonzero(hit != truth), wrong_ids, int(steps.max()), float(np.median(steps)), float(degrees.max())
+    )
+
+
+def float32_steps(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.int64]:
+    """How many float32 numbers lie from one to the other; infinity is the one after the largest, NaN beyond that."""
+    steps: NDArray[np.int64] = np.abs(_ordinal(got) - _ordinal(exact))
+    return np.where(np.isnan(got), np.int64(1) << 32, steps)
+
+
+def _ordinal(value: NDArray[np.float32]) -> NDArray[np.int64]:
+    bits = np.ascontiguousarray(value, dtype=np.float32).view(np.int32).astype(np.int64)
+    return np.where(bits < 0, -(bits & 0x7FFFFFFF), bits)
+
+
+def angles(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(n,) degrees between (n, 3) vectors; 180 for what is no direction."""
+    first, second = got.astype(np.float64), exact.astype(np.float64)
+    # Kahan's form: it does not lose small angles.
+    with np.errstate(invalid="ignore"):
+        first = first / np.linalg.norm(first, axis=1, keepdims=True)
+        second = second / np.linalg.norm(second, axis=1, keepdims=True)
+        apart, together = np.linalg.norm(first - second, axis=1), np.linalg.norm(first + second, axis=1)
+        degrees = np.degrees(2 * np.arctan2(apart, together))
+    return np.where(np.isnan(degrees), 180.0, degrees)
+
+
+def timed(job: Job) -> tuple[Any, list[float]]:
+    """What the last run returned, and the milliseconds of each run after a first one that warms."""
+    job.run()
+    times: list[float] = []
+    while len(times) < _RUNS.start or (len(times) < _RUNS.stop and sum(times) < 1e3 * _ENOUGH_S):
+        begin = time.perf_counter()
+        result = job.run()
+        times.append(1e3 * (time.perf_counter() - begin))
+    return result, times
+
+
+def measured(job: Job, exact: Picture) -> dict[str, Any]:
+    """Errors, median time and number of runs, as plain values."""
+    result, times = timed(job)
+    picture = job.picture(result)
+    errors = asdict(compare(picture, exact))
+    return {"ms": median(times), "runs": len(times), **errors, "settled": picture.settled}

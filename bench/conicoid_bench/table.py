@@ -1,0 +1,58 @@
+"""Results as a Markdown table."""
+
+from collections.abc import Iterator
+from typing import Any
+
+_HEAD = (
+    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | settled |",
+    "|---|---:|---:|---:|---:|---:|---:|---:|",
+)
+
+
+def markdown(results: dict[str, Any]) -> str:
+    """One table per scene, under a heading each."""
+    return "\n".join(line for scene in results["scenes"] for line in _scene(scene))
+
+
+def _scene(scene: dict[str, Any]) -> Iterator[str]:
+    pixels = scene["width"] * scene["height"]
+    verified = scene["verified"]
+    yield f"### {scene['name']}"
+    yield ""
+    yield (
+        f"{scene['quadrics']:,} quadric{'s' if scene['quadrics'] > 1 else ''}, {scene['width']} × {scene['height']}, "
+        f"{scene['hits']:,} hits; {scene['reason']}. "
+        f"Truth checked at {verified['pixels']:,} pixels, {verified['silhouette']:,} of them on silhouettes."
+    )
+    yield ""
+    yield from _HEAD
+    left_out = []
+    for name, row in scene["renderers"].items():
+        if "not_measured" in row:
+            left_out.append(f"{name} ({row['not_measured']})")
+        else:
+            yield _row(name, row, pixels)
+    yield ""
+    if left_out:
+        yield f"Left out: {', '.join(left_out)}."
+        yield ""
+
+
+def _row(name: str, row: dict[str, Any], pixels: int) -> str:
+    cells = [
+        name,
+        f"{row['wrong_hits']:,}",
+        f"{row['wrong_ids']:,}",
+        _count(row["worst_ulp"]),
+        "–" if row["median_ulp"] is None else f"{row['median_ulp']:,.3g}" if row["median_ulp"] < 1e4 else _count(row["median_ulp"]),
+        "–" if row["worst_degrees"] is None else f"{row['worst_degrees']:.2g}",
+        f"{row['ms']:.3g}" if row["ms"] < 100 else f"{row['ms']:,.0f}",
+        f"{row['settled']:,}" + (f" ({row['settled'] / pixels:.2g})" if row["settled"] else ""),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _count(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:,.0f}" if value < 1e6 else f"{value:.1e}"
