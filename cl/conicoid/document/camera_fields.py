@@ -16,7 +16,7 @@ from conicoid.document.rules import AFFINE, CROP, NONZERO_DIRECTION, RIGID
 from conicoid.document.variants import Variants
 from conicoid.scene import Floats
 
-MOST_PIXELS_A_SIDE: Final = 65536
+MOST_PIXELS_A_SIDE: Final = 1 << 24
 
 
 def _side(which: str) -> Field:
