@@ -30,7 +30,7 @@ check: $(SETUP)
 	.venv/bin/pytest --quiet tests/test_imports.py
 
 bench: $(SETUP)
-	.venv/bin/conicoid bench
+	.venv/bin/python bench/stages.py
 
 image:
 	$(ENGINE) build --file docker/Dockerfile --tag conicoid .
