@@ -23,6 +23,7 @@ _DOUBT_HIT: Final = 1
 # What else makes a channel doubtful; every reason settles the depths.
 _SETTLES: Final = {"N": 4, "P": 8}
 _SURFACE_OF_KIND: Final = np.array([0, 0, 1, 2])
+_SMALLEST: Final = 2.0**-280
 
 # Below this, solving pixels is quicker than casting again.
 _FEW: Final = 64
@@ -84,16 +85,25 @@ def _refine(exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, doubt
 
 
 def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> None:
-    """Rounds every polynomial that decides; a record beyond binary64 stays in doubt."""
+    """Rounds every polynomial that decides; a record out of range (`workable` in family.h) stays in doubt."""
     per_unit = int(np.log2(unit))
-    record["a"] = forms.a.rounded(shrink + 2 * per_unit)
-    record["b"] = forms.b.rounded(shrink + per_unit)
-    record["c"] = forms.c.rounded(shrink)
-    record["s"] = forms.s.rounded(2 * (shrink + per_unit))
-    record["y"][2] = forms.height.rounded(per_unit)
-    for side, (offset, cap) in enumerate(zip(forms.range, forms.cap, strict=True)):
-        record["range"][side] = offset.rounded()
-        record["cap"][side] = cap.rounded(shrink + 2 * per_unit)
+    rounded = {
+        "a": forms.a.rounded(shrink + 2 * per_unit),
+        "b": forms.b.rounded(shrink + per_unit),
+        "c": forms.c.rounded(shrink),
+        "s": forms.s.rounded(2 * (shrink + per_unit)),
+    }
+    height = forms.height.rounded(per_unit)
+    ends = [offset.rounded() for offset in forms.range]
+    caps = [cap.rounded(shrink + 2 * per_unit) for cap in forms.cap]
+    sizes = np.abs(np.concatenate([*rounded.values(), height, *ends, *caps, record["x"].ravel(), record["y"].ravel()]))
+    if not ((sizes == 0) | ((sizes > _SMALLEST) & (sizes < 1 / _SMALLEST))).all():
+        return
+    for name, values in rounded.items():
+        record[name] = values
+    record["y"][2] = height
+    for side, (end, cap) in enumerate(zip(ends, caps, strict=True)):
+        record["range"][side], record["cap"][side] = end, cap
     # No noise of set-up is left.
     record["kappa"], record["moment_norm"] = 0.0, 0.0
 

@@ -9,6 +9,7 @@ typedef struct {
     dd fixed[4];
     dd moving[3][4];    // v-coefficient 0: u, 1: v, 2: constant
     dd map[3][3];       // parameter-space gradient row k to world, up to a positive factor: map[k]
+    int in_range[4];    // underflow has no relative bound: the others are left to exact arithmetic
     double4 map_unit;   // brings the map's largest entry near 1
     // Sizes before any cancellation: every double-double above is within 2^-98 kappa times its size of exact.
     double4 kappa, map_norm, fixed_norm, moving_norm[3];
@@ -25,6 +26,9 @@ typedef struct {
 
 // Rows of `rays`: point 1, u, v, direction 1, u, v; each three double-doubles.
 static inline dd ray_part(__global const double *rays, int part, int axis) { return dd_scalar(rays + 6 * part + 2 * axis); }
+
+// Whether products of three such numbers, and their double-double tails, stay within binary64's normal range.
+static inline int workable(double x) { return x == 0.0 || (fabs(x) > 0x1p-280 && fabs(x) < 0x1p280); }
 
 // 2^-k for x in [2^k, 2^(k+1)), k within +-1000; 1 for 0.
 static inline double power_of_two_near_inverse(double x)
@@ -70,16 +74,25 @@ static void family_of(const int *quadric, __global const double *world_from_obje
             out->map[i][j] = dd_mul(adjugate[i][j], scale);
     }
 
+    for (int lane = 0; lane < 4; lane++) {
+        double largest = 0.0;
+        out->in_range[lane] = workable(AT(determinant.hi, lane));
+        for (int k = 0; k < 9; k++) {
+            double entry = AT(out->map[k / 3][k % 3].hi, lane);
+            largest = fmax(largest, fabs(entry));
+            out->in_range[lane] &= workable(entry) & workable(AT(m[k / 3][k % 3], lane)) & workable(AT(r[k % 3], lane));
+        }
+        AT(out->map_unit, lane) = power_of_two_near_inverse(largest);
+    }
     double4 spread = (double4)(0.0), rows = (double4)(0.0);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             spread += m[i][j] * m[i][j];
-            rows += out->map[i][j].hi * out->map[i][j].hi;
+            double4 row = out->map[i][j].hi * out->map_unit;
+            rows += row * row;
         }
     out->kappa = 8.0 * spread * sqrt(spread) / fabs(determinant.hi);
-    out->map_norm = sqrt(rows);
-    for (int lane = 0; lane < 4; lane++)
-        AT(out->map_unit, lane) = power_of_two_near_inverse(AT(out->map_norm, lane));
+    out->map_norm = sqrt(rows) / out->map_unit;
 
     double4 u = convert_double4(out->centre_u), v = convert_double4(out->centre_v);
     dd point[3], direction[3];
@@ -137,9 +150,6 @@ static void family_of(const int *quadric, __global const double *world_from_obje
     out->moving[0][3] = out->moving[1][3] = zero;
     out->moving[2][3] = orthographic ? one : zero;
 }
-
-// Whether products of three such numbers, and their double-double tails, stay within binary64's normal range.
-static inline int workable(double x) { return x == 0.0 || (fabs(x) > 0x1p-280 && fabs(x) < 0x1p280); }
 
 // Pluecker coordinate Lij = Fi Vj - Fj Vi.
 static linear_form pluecker(const family *f, int i, int j)

@@ -149,14 +149,13 @@ void set_up_general(int count, __global const int *list, __global const double *
                 r->normal[j][k] = AT(f.map_unit, lane) *
                                   (target[j] * AT(f.map[k][0].hi, lane) + target[3 + j] * AT(f.map[k][1].hi, lane) +
                                    target[6 + j] * AT(f.map[k][2].hi, lane));
-        int in_range = 1;
+        int in_range = f.in_range[lane];
         for (int k = 0; k < QUADRATIC; k++)
             in_range &= workable(r->s[k]) & workable(r->a[k]) & workable(r->c[k]) & workable(r->cap[0][k]) &
                         workable(r->cap[1][k]);
         for (int i = 0; i < 3; i++)
             for (int k = 0; k < LINEAR; k++)
                 in_range &= workable(r->x[i][k]) & workable(r->y[i][k]) & workable(r->moment[i][k]) & workable(r->b[k]);
-        // Underflow has no relative bound: such records are left to exact arithmetic.
         r->kappa = in_range ? AT(f.kappa, lane) : INFINITY;
         r->fixed_norm = AT(f.fixed_norm, lane);
         for (int k = 0; k < LINEAR; k++)

@@ -86,8 +86,7 @@ void set_up_simple(int count, __global const int *list, __global const double *w
         __global simple_record *r = records + first + lane;
         double scale = AT(length, lane);
         scale = isfinite(scale) ? scale : 1.0;
-        // Underflow has no relative bound: records with such entries are left to exact arithmetic.
-        int in_range = 1;
+        int in_range = f.in_range[lane];
         for (int k = 0; k < QUADRATIC; k++)
             in_range &= workable(AT(s[k], lane)) & workable(k < LINEAR ? AT(b[k], lane) : 0.0);
         for (int p = 0; p < 6; p++)
