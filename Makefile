@@ -30,6 +30,8 @@ check: $(SETUP)
 	.venv/bin/pytest --quiet tests/test_imports.py
 
 bench: $(SETUP)
+	.venv/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement requirements/bench.txt
+	.venv/bin/conicoid bench error examples/lysozyme.json --output bench/results
 	.venv/bin/python bench/stages.py
 
 image:
@@ -41,6 +43,7 @@ test-package: $(SETUP)
 lock: $(SETUP)
 	$(COMPILE) pyproject.toml --extra pocl --group dev --output-file requirements/dev.txt
 	$(COMPILE) pyproject.toml --constraints requirements/dev.txt --output-file requirements/run.txt
+	$(COMPILE) pyproject.toml --extra bench --constraints requirements/dev.txt --output-file requirements/bench.txt
 	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
 
 clean:

@@ -1,4 +1,4 @@
-"""Who may import whom: client -> nothing of ours, service -> engine, and OpenCL only where kernels run."""
+"""Who may import whom: client -> nothing of ours, service and bench -> engine, and OpenCL only where kernels run."""
 
 import ast
 import subprocess
@@ -11,7 +11,12 @@ import pytest
 
 from tests.checkout import ROOT
 
-SOURCES = {"conicoid": ROOT / "cl", "conicoid_service": ROOT / "service", "conicoid_client": ROOT / "clients"}
+SOURCES = {
+    "conicoid": ROOT / "cl",
+    "conicoid_service": ROOT / "service",
+    "conicoid_client": ROOT / "clients",
+    "conicoid_bench": ROOT / "bench",
+}
 ENGINE_THIRD_PARTY = {"numpy", "pyopencl", "flint", "orjson"}
 DEVICE_SIDE = {
     f"conicoid.{name}" for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "settle", "setup")
@@ -67,7 +72,7 @@ def breaches(*, package: str, targets: set[str], at_load_only: bool = False) -> 
 
 
 def test_engine_imports_neither_service_nor_client() -> None:
-    assert not breaches(package="conicoid", targets={"conicoid_service", "conicoid_client"})
+    assert not breaches(package="conicoid", targets={"conicoid_service", "conicoid_client", "conicoid_bench"})
 
 
 def test_engine_needs_only_its_four_libraries() -> None:
@@ -76,19 +81,32 @@ def test_engine_needs_only_its_four_libraries() -> None:
 
 
 def test_service_does_not_import_the_client() -> None:
-    assert not breaches(package="conicoid_service", targets={"conicoid_client"})
+    assert not breaches(package="conicoid_service", targets={"conicoid_client", "conicoid_bench"})
+
+
+def test_benchmarks_import_the_engine_alone() -> None:
+    assert not breaches(package="conicoid_bench", targets={"conicoid_service", "conicoid_client"})
+
+
+def test_what_only_benchmarks_need_is_imported_inside_functions() -> None:
+    """So that the command can say which extra is missing."""
+    extra = {"matplotlib", "mitsuba", "drjit"}
+    assert not breaches(package="conicoid_bench", targets=extra, at_load_only=True)
+    assert not [i for i in IMPORTS if i.target in extra and i.package != "conicoid_bench"]
 
 
 def test_client_imports_the_others_only_inside_functions() -> None:
     """So a farm's submitter needs neither; without a server the command loads the service when it comes to that."""
-    assert not breaches(package="conicoid_client", targets={"conicoid", "conicoid_service"}, at_load_only=True)
+    assert not breaches(
+        package="conicoid_client", targets={"conicoid", "conicoid_service", "conicoid_bench"}, at_load_only=True
+    )
 
 
 def test_only_the_device_side_imports_pyopencl() -> None:
-    assert {i.importer for i in IMPORTS if i.target == "pyopencl"} <= DEVICE_SIDE
+    assert {i.importer for i in IMPORTS if i.target == "pyopencl" and i.package != "conicoid_bench"} <= DEVICE_SIDE
 
 
-@pytest.mark.parametrize("package", sorted(SOURCES))
+@pytest.mark.parametrize("package", sorted(SOURCES.keys() - {"conicoid_bench"}))
 def test_all_but_the_device_side_loads_without_an_opencl_driver(package: str) -> None:
     """So the API's process never holds a driver, and scenes and algebra work where there is none."""
     names = [n for n in MODULES if n.split(".")[0] == package and n not in DEVICE_SIDE]

@@ -75,8 +75,8 @@ def _scene(
         if reason := renderer.why_not(scene):
             rows[renderer.name] = {"not_measured": reason}
             continue
-        rows[renderer.name] = measured(renderer.prepare(scene), exact)
-        say(f"  {renderer.name}: {rows[renderer.name]}")
+        rows[renderer.name] = measured(renderer, scene, exact)
+        say(f"  {renderer.name}: {rows[renderer.name]['ms']:.3g} ms")
     return {
         "name": bench.name,
         "reason": bench.reason,

@@ -8,7 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from conicoid_bench.picture import Job, Picture
+from conicoid.scene import Scene
+from conicoid_bench.picture import Job, Picture, Renderer
 
 # At least three runs after the warming one, more while they are short.
 _RUNS: Final = range(3, 16)
@@ -39,14 +40,12 @@ def compare(picture: Picture, exact: Picture) -> Errors:
     """The errors of a picture; `exact` has exact ids and depths rounded to nearest."""
     hit, truth = picture.id != 0, exact.id != 0
     same = truth & (picture.id == exact.id)
-    wrong_ids = np.count_nonzero(hit & truth & ~same)
+    wrong_hits, wrong_ids = int(np.count_nonzero(hit != truth)), int(np.count_nonzero(hit & truth & ~same))
     if not same.any():
-        return Errors(np.count_nonzero(hit != truth), wrong_ids, None, None, None)
+        return Errors(wrong_hits, wrong_ids, None, None, None)
     steps = float32_steps(picture.depth[same], exact.depth[same])
     degrees = angles(picture.normal[same], exact.normal[same])
-    return Errors(
-        np.count_nonzero(hit != truth), wrong_ids, int(steps.max()), float(np.median(steps)), float(degrees.max())
-    )
+    return Errors(wrong_hits, wrong_ids, int(steps.max()), float(np.median(steps)), float(degrees.max()))
 
 
 def float32_steps(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -83,9 +82,12 @@ def timed(job: Job) -> tuple[Any, list[float]]:
     return result, times
 
 
-def measured(job: Job, exact: Picture) -> dict[str, Any]:
-    """Errors, median time and number of runs, as plain values."""
+def measured(renderer: Renderer, scene: Scene, exact: Picture) -> dict[str, Any]:
+    """Plain values: milliseconds to prepare and (the median) to render, number of runs, errors, settled pixels."""
+    begin = time.perf_counter()
+    job = renderer.prepare(scene)
+    prepare_ms = 1e3 * (time.perf_counter() - begin)
     result, times = timed(job)
     picture = job.picture(result)
     errors = asdict(compare(picture, exact))
-    return {"ms": median(times), "runs": len(times), **errors, "settled": picture.settled}
+    return {"prepare_ms": prepare_ms, "ms": median(times), "runs": len(times), **errors, "settled": picture.settled}

@@ -34,7 +34,7 @@ class Mitsuba:
         try:
             mitsuba.set_variant("llvm_ad_rgb")
             drjit.eval(mitsuba.Float([1, 2]) + 1)
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 -- drjit raises RuntimeError, or what its driver makes of it
             raise ImportError(f"Mitsuba's LLVM variant does not run here: {str(error).splitlines()[0]}") from None
         self._plugin = plugin
         self.name = f"Mitsuba {plugin}"
@@ -86,9 +86,9 @@ class Mitsuba:
             seen = ids[np.where(valid, index + 1, 0)].reshape(u.shape)
             # Along a ray of unit length, to planar; in binary64, so that no error is added.
             depth = np.where(valid, t / length, np.inf).astype(np.float32).reshape(u.shape)
-            normal = np.where(valid, n, 0).T
-            normal = normal * np.where((normal * direction.T).sum(axis=1, keepdims=True) > 0, -1, 1)
-            return Picture(depth, seen, normal.astype(np.float32).reshape(*u.shape, 3))
+            # Outward is facing: these shapes are convex, and seen from outside.
+            normal = np.where(valid, n, 0).T.astype(np.float32)
+            return Picture(depth, seen, normal.reshape(*u.shape, 3))
 
         return Job(run, picture)
 
@@ -134,6 +134,7 @@ def quaternions(rotations: Floats) -> Floats:
                          [off(0, 2, 1), off(2, 1, 1), zero, z], [x, y, z, zero]])  # fmt: skip
     largest = squares.argmax(axis=1)
     rows = np.arange(len(rotations))
-    found: Floats = products[largest, :, rows]
+    found = products[largest, :, rows]
     found[rows, largest] = squares[rows, largest]
-    return found / np.linalg.norm(found, axis=1, keepdims=True)
+    unit: Floats = found / np.linalg.norm(found, axis=1, keepdims=True)
+    return unit

@@ -33,7 +33,7 @@ class Textbook:
     def __init__(self, device: Any, kind: Kind) -> None:
         import pyopencl
 
-        self.name = kind
+        self.name: str = kind
         self._real = np.float32 if "float32" in kind else np.float64
         context = pyopencl.Context([device])
         self._queue = pyopencl.CommandQueue(context)

@@ -44,7 +44,9 @@ def built_in(scale: float = 1.0) -> Iterator[BenchScene]:
     yield _document("r = 0.1, all moved 1e7", "camera and sphere moved away together: nothing should change",
                     moved, size, world_from_camera=eye)  # fmt: skip
     pancake = [{"shape": "ellipsoid", "radii": [1, 1, 1e-6], "center": [0, 0, -4], "rotation": [0.5, 0.1, 0, 0.85]}]
-    yield _document("pancake 1 : 1e-6", "forms of very different sizes, normals that turn within a pixel", pancake, size)
+    yield _document(
+        "pancake 1 : 1e-6", "forms of very different sizes, normals that turn within a pixel", pancake, size
+    )
     yield _workload("64 spheres", "a few large ones", 64, 0.6, scale, round_ones=True)
     yield _workload("1,000 ellipsoids", "some behind each other", 1_000, 1.0, scale)
     yield _workload("100,000 ellipsoids", "many small ones, far away for their size", 100_000, 3.0, scale)
@@ -87,5 +89,5 @@ def _capped() -> list[dict[str, Any]]:
         {"shape": "paraboloid", "radius": 0.7, "center": [-1.5, -0.6, -5], **ends},
         {"shape": "sphere", "radius": 0.6, "center": [0, -0.6, -5], "z_range": [-0.3, 0.2], "capped": True},
         {"shape": "ellipsoid", "radii": [0.5, 0.3, 0.6], "center": [1.5, -0.6, -5], **ends},
-        {"shape": "parallel_planes", "radius": 3, "center": [0, 0, -9], "z_range": [-3, 3]},
+        {"shape": "parallel_planes", "radius": 3, "center": [0, 0, -9], "z_range": [-4, 4]},
     ]

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 _HEAD = (
-    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | settled |",
-    "|---|---:|---:|---:|---:|---:|---:|---:|",
+    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | once, ms | settled |",
+    "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
 )
 
 
@@ -44,10 +44,11 @@ def _row(name: str, row: dict[str, Any], pixels: int) -> str:
         f"{row['wrong_hits']:,}",
         f"{row['wrong_ids']:,}",
         _count(row["worst_ulp"]),
-        "–" if row["median_ulp"] is None else f"{row['median_ulp']:,.3g}" if row["median_ulp"] < 1e4 else _count(row["median_ulp"]),
-        "–" if row["worst_degrees"] is None else f"{row['worst_degrees']:.2g}",
-        f"{row['ms']:.3g}" if row["ms"] < 100 else f"{row['ms']:,.0f}",
-        f"{row['settled']:,}" + (f" ({row['settled'] / pixels:.2g})" if row["settled"] else ""),
+        _count(row["median_ulp"]),
+        _degrees(row["worst_degrees"]),
+        _ms(row["ms"]),
+        _ms(row["prepare_ms"]),
+        f"{row['settled']:,}" + (f" ({1e6 * row['settled'] / pixels:.2g} ppm)" if row["settled"] else ""),
     ]
     return f"| {' | '.join(cells)} |"
 
@@ -56,3 +57,13 @@ def _count(value: float | None) -> str:
     if value is None:
         return "–"
     return f"{value:,.0f}" if value < 1e6 else f"{value:.1e}"
+
+
+def _degrees(value: float | None) -> str:
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def _ms(value: float) -> str:
+    return f"{value:.2g}" if value < 10 else f"{value:,.0f}"

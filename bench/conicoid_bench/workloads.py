@@ -10,7 +10,7 @@ WIDTH, HEIGHT = 1920, 1080
 
 def camera(width: int = WIDTH, height: int = HEIGHT) -> Camera:
     """A pinhole at the origin with a 50 degree field of view, looking down -z."""
-    focal = height / (2 * np.tan(np.radians(25)))
+    focal = float(height / (2 * np.tan(np.radians(25))))
     return Camera("pinhole", width, height, focal, focal, width / 2, height / 2, np.eye(4), 0.0, np.inf,
                   (0, 0, width, height))  # fmt: skip
 

@@ -7,10 +7,10 @@ from zipfile import ZipFile
 
 from tests.checkout import ROOT
 
-SOURCE_ROOTS = ("cl", "service", "clients")
+SOURCE_ROOTS = ("cl", "service", "clients", "bench/conicoid_bench")
 
 
-def test_wheel_holds_every_file_of_the_three_packages(wheel: Path) -> None:
+def test_wheel_holds_every_file_of_the_four_packages(wheel: Path) -> None:
     list_files = ["git", "ls-files", "--cached", "--others", "--exclude-standard", *SOURCE_ROOTS]
     listing = subprocess.run(list_files, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
     expected = {path.partition("/")[2] for path in listing.stdout.splitlines()}

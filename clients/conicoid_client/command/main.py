@@ -115,7 +115,25 @@ def _parser() -> argparse.ArgumentParser:
         "--server", metavar="URL", help="a running service (default: $CONICOID_SERVER, else this machine)"
     )
     device.add_argument("--json", action="store_true", help="as JSON")
+
+    _add_bench(command("bench", "measure on this machine"))
     return parser
+
+
+def _add_bench(bench: argparse.ArgumentParser) -> None:
+    measurements = bench.add_subparsers(dest="measurement", metavar="MEASUREMENT", required=True)
+    summary = "run time against error, beside other ways to render quadrics"
+    error = measurements.add_parser("error", help=summary, description=summary[0].upper() + summary[1:] + ".")
+    error.add_argument("scenes", metavar="SCENE.json", nargs="*", help="scenes to measure after the built-in ones")
+    error.add_argument("-o", "--output", required=True, metavar="DIR", help="for error.json, .md, .png and .svg")
+    error.add_argument("--only-given", action="store_true", help="leave out the built-in scenes")
+    error.add_argument(
+        "--scale", type=_scale, default=1.0, metavar="S", help="of the built-in images' 1920 x 1080 (default: 1)"
+    )
+    error.add_argument(
+        "--checked", type=_samples, default=_SAMPLES, metavar="N",
+        help="pixels per scene where `exact` is first checked against exact arithmetic (default: %(default)s)",
+    )  # fmt: skip
 
 
 class _Version(argparse.Action):
@@ -134,6 +152,16 @@ def _port(text: str) -> int:
 
 def _pixels(text: str) -> int:
     return _whole(text, 1, 1 << 20)
+
+
+def _scale(text: str) -> float:
+    try:
+        scale = float(text)
+    except ValueError:
+        scale = 0.0
+    if not 0.01 <= scale <= 4:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0.01 to 4")
+    return scale
 
 
 def _samples(text: str) -> int:
