@@ -13,7 +13,7 @@ import pyopencl
 from conicoid.errors import DeviceError
 
 INSTALL_HINT = (
-    "install a CPU driver with `pip install pocl-binary-distribution` (needs a linker: Debian's `binutils`) "
+    "install a CPU driver with `pip install conicoid[pocl]` (which links kernels with Debian's `gcc` and `libc6-dev`) "
     "or Debian's package `pocl-opencl-icd`"
 )
 

@@ -25,8 +25,12 @@ _SETTLES: Final = {"N": 4, "P": 8}
 _SURFACE_OF_KIND: Final = np.array([0, 0, 1, 2])
 _SMALLEST: Final = 2.0**-280
 
+_ORTHOGRAPHIC: Final = 32
+
 # Below this, solving pixels is quicker than casting again.
-_FEW: Final = 64
+_FEW: Final = 256
+# Exact forms take some 0.3 ms each; what is left over is solved pixel by pixel.
+_MOST_AT_ONCE: Final = 4096
 
 Planes = dict[str, NDArray[Any]]
 Cast = Callable[[NDArray[np.int32] | None], tuple[Planes, NDArray[Any]]]
@@ -39,20 +43,27 @@ def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Plan
     """
     exact = ExactScene(scene)
     classes: NDArray[np.int32] | None = None
+    if scene.output.precision == "exact":
+        _refine(exact, scene, visible, _drowned(visible.general)[:_MOST_AT_ONCE])
     planes, doubts = cast(classes)
-    if len(doubts) > _FEW:
+    if _many(doubts):
         classes = _surface_classes(exact, visible, doubts)
         if classes is not None:
             planes, doubts = cast(classes)
-    if len(doubts) > _FEW and _refine(exact, scene, visible, bins, doubts):
+    if _many(doubts):
+        _refine(exact, scene, visible, _general_rows(visible, bins, doubts))
         planes, doubts = cast(classes)
-        again = _surface_classes(exact, visible, doubts) if len(doubts) > _FEW else None
+        again = _surface_classes(exact, visible, doubts) if _many(doubts) else None
         if again is not None:
             planes, doubts = cast(again if classes is None else np.maximum(classes, again))
     x0, y0 = scene.camera.crop[:2]
     for doubt in doubts:
         _solve(exact, scene, visible, bins, planes, doubt, (int(doubt["y"]) - y0, int(doubt["x"]) - x0))
     return planes, len(doubts)
+
+
+def _many(doubts: NDArray[Any]) -> bool:
+    return np.count_nonzero(doubts["reasons"] & _DOUBT_HIT) > _FEW
 
 
 def _surface_classes(exact: ExactScene, visible: Visible, doubts: NDArray[Any]) -> NDArray[np.int32] | None:
@@ -68,20 +79,45 @@ def _surface_classes(exact: ExactScene, visible: Visible, doubts: NDArray[Any]) 
     return classes if 0 < len(numbers) < np.count_nonzero(classes >= 0) else None
 
 
-def _refine(exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, doubts: NDArray[Any]) -> bool:
-    """Rounds the general records that the doubtful pixels may see from exact forms; False where there are none."""
+def _drowned(general: NDArray[Any]) -> NDArray[np.intp]:
+    """Rows whose a, b, c or S is no larger than what set-up may have lost: exactly zero, more often than not.
+
+    A paraboloid seen along its axis has a = 0 at every pixel, an eye on a surface c = 0, a cylinder seen end-on both
+    b = 0 and S = 0.
+    """
+    largest = {name: np.abs(general[name]).max(axis=1, initial=0) for name in ("a", "b", "c", "s")}
+    fixed, moving, moment = general["fixed_norm"], general["moving_norm"][:, 2], general["moment_norm"].max(axis=1)
+    orthographic = (general["flags"] & _ORTHOGRAPHIC) != 0
+    x, y = np.where(orthographic, moving, fixed), np.where(orthographic, fixed, moving)
+    with np.errstate(all="ignore"):
+        unit = 2.0**-89 * general["kappa"]
+        drowned = largest["a"] <= unit * general["spatial_sum"] * y * y
+        drowned |= largest["b"] <= unit * general["form_sum"] * x * y
+        drowned |= largest["c"] <= unit * general["form_sum"] * x * x
+        drowned |= largest["s"] <= unit * general["compound_sum"] * (2 * moment + unit * x * y) * x * y
+    rows: NDArray[np.intp] = np.flatnonzero(drowned & (general["spatial_sum"] > 0))
+    return rows
+
+
+def _general_rows(visible: Visible, bins: Bins, doubts: NDArray[Any]) -> NDArray[np.intp]:
+    """The general records that pixels with doubtful hits may see."""
     doubts = doubts[(doubts["reasons"] & _DOUBT_HIT) != 0]
     tiles = np.unique((doubts["y"] // TILE - bins.origin[1]) * bins.columns + (doubts["x"] // TILE - bins.origin[0]))
-    slots = np.unique(np.concatenate([bins.slots(int(tile)) for tile in tiles])) if len(tiles) else np.empty(0, int)
-    rows = [(int(visible.quadric[slot]), ~int(visible.record[slot])) for slot in slots if visible.record[slot] < 0]
-    for quadric, row in rows:
-        record = visible.general[row]
+    slots = np.unique(np.concatenate([np.empty(0, np.int32), *(bins.slots(int(tile)) for tile in tiles)]))
+    rows = ~visible.record[slots]
+    return rows[rows >= 0].astype(np.intp)[:_MOST_AT_ONCE]
+
+
+def _refine(exact: ExactScene, scene: Scene, visible: Visible, rows: NDArray[np.intp]) -> None:
+    """Rounds general records from exact forms."""
+    quadric_of = visible.quadric[visible.record < 0]
+    for row in rows.tolist():
+        record, quadric = visible.general[row], int(quadric_of[row])
         # The kernels' forms are scaled to entries below 1, their directions by the unit.
         matrix_row = int(scene.quadrics.matrix_row[quadric])
         shrink = -int(np.frexp(np.abs(scene.quadrics.matrix[matrix_row]).max())[1]) if matrix_row >= 0 else 0
         with suppress(OverflowError):
             _write_record(record, exact.forms(quadric).about(*map(int, record["centre"])), shrink, visible.unit)
-    return bool(rows)
 
 
 def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> None:

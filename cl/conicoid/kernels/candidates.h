@@ -98,7 +98,7 @@ static inline general_tile move_general(__global const general_record *r, __glob
 static inline mask in_depth(const general_tile *g, reals t, reals error, mask kept, mask *doubt)
 {
     // A root beyond all numbers is none; written so that a NaN is not kept.
-    kept &= t < INFINITY;
+    kept &= magnitude(t) < INFINITY;
     KEEP(kept, *doubt, t, 2 * error);
     kept &= t > 0;
     if (g->near > 0)

@@ -76,10 +76,14 @@ static inline void bound_general_normal(general_normal *m, __global const genera
     for (int k = 0; k < 9; k++)
         map += fabs(m->map[k / 3][k % 3]);
     real scale = 2 * map * d;
+    m->floor = m->root = m->root_error = m->rounding = 0;
+    // A plane's gradient is one row of the form times V4 wherever it is met: a few relative roundings, no more.
+    if (r->spatial_sum == 0.0)
+        return;
+    m->rounding = 16 * UNIT_ROUNDOFF * scale;
     m->floor = scale * (16 * UNIT_ROUNDOFF * d * p * l + d * (point_error * l + p * moment_error));
     m->root = scale * (point_error + 4 * UNIT_ROUNDOFF * p);
     m->root_error = scale * p;
-    m->rounding = 16 * UNIT_ROUNDOFF * scale;
 }
 #endif
 
