@@ -15,7 +15,7 @@ POSITION_UNITS = 1.0
 
 
 def broken(planes: Mapping[str, NDArray[Any]], truth: Truth) -> dict[str, NDArray[np.bool_]]:
-    """The pixels that break a promise, by `hit`, depth channel, `N`, `P` or `zero` (a -0); kept promises are left out."""
+    """The pixels that break promises, by `hit`, depth channel, `N`, `P` or `zero` (a -0), of broken promises alone."""
     found = {"hit": wrong_hits(planes, truth), "zero": np.zeros(truth.hit.shape, dtype=bool)}
     for channel, field in DEPTHS.items():
         if channel in planes:

@@ -1,6 +1,7 @@
 """Quadrics of every shape, extent and placement at random: the same for the same seed."""
 
 import random
+from collections.abc import Sequence
 
 from tests.scenes.catalogue import PROJECTIONS, Document
 from tests.scenes.stress import enter
@@ -8,7 +9,10 @@ from tests.scenes.stress import enter
 RADIUS = ("sphere", "parabolic_cylinder", "parallel_planes")
 TWO_RADII = ("cylinder", "cone", "paraboloid", "hyperbolic_paraboloid", "hyperbolic_cylinder", "crossed_planes")
 THREE_RADII = ("ellipsoid", "hyperboloid_one_sheet", "hyperboloid_two_sheets")
+# A plane may contain its own range, cap or clip: whole images of ties.
+FLAT = ("parallel_planes", "crossed_planes", "plane", "quadric")
 SHAPES = (*RADIUS, *TWO_RADII, *THREE_RADII, "plane", "quadric")
+CURVED = tuple(shape for shape in SHAPES if shape not in FLAT)
 
 
 class Mix:
@@ -17,11 +21,13 @@ class Mix:
     Args:
         seed: of everything.
         spread: size of the volume that the quadrics fill, against their own size of about 1.
+        shapes: to draw from.
     """
 
-    def __init__(self, seed: int, spread: float = 1.0) -> None:
+    def __init__(self, seed: int, spread: float = 1.0, shapes: Sequence[str] = SHAPES) -> None:
         self._draw = random.Random(seed)
         self._spread = spread
+        self._shapes = shapes
 
     def scene(
         self, count: int, projection: str, width: int = 16, height: int = 12
@@ -62,7 +68,7 @@ class Mix:
         return [*(normal if any(normal) else [1.0, 0.0, 0.0]), self._number(-2, 6)]
 
     def _shape(self) -> Document:
-        shape = self._draw.choice(SHAPES)
+        shape = self._draw.choice(self._shapes)
         quadric: Document = {"shape": shape, "id": self._id()}
         if shape in RADIUS:
             quadric["radius"] = self._size()

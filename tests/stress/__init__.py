@@ -1,0 +1,1 @@
+"""The long stress run: `make stress` checks millions of pixels against the exact image and writes a report."""
