@@ -1,7 +1,7 @@
 """Which quadrics each tile looks at: lists by count, prefix sum and fill, each in depth order."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,10 @@ class Bins:
     rows: int
     end: NDArray[np.int32]
     entries: NDArray[np.int32]
+
+    def tile_of(self, x: Any, y: Any) -> Any:
+        """The tile, counted row by row, of pixels of the whole image."""
+        return (y // TILE - self.origin[1]) * self.columns + (x // TILE - self.origin[0])
 
     def slots(self, tile: int) -> NDArray[np.int32]:
         """The list of one tile, counted row by row."""

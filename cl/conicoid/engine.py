@@ -66,7 +66,7 @@ class Renderer:
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
 
-        def cast(classes: NDArray[np.int32] | None) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
+        def cast(classes: NDArray[np.int32]) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
             return self._caster.run(scene, view, visible, bins, classes)
 
         planes, settled = settle(scene, visible, bins, cast)

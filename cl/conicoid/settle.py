@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from conicoid.bins import TILE, Bins
+from conicoid.bins import Bins
 from conicoid.exact import ExactForms, ExactPixel, ExactScene
 from conicoid.scene import Scene
 from conicoid.setup import Visible
@@ -33,7 +33,7 @@ _FEW: Final = 256
 _MOST_AT_ONCE: Final = 4096
 
 Planes = dict[str, NDArray[Any]]
-Cast = Callable[[NDArray[np.int32] | None], tuple[Planes, NDArray[Any]]]
+Cast = Callable[[NDArray[np.int32]], tuple[Planes, NDArray[Any]]]
 
 
 def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Planes, int]:
@@ -41,42 +41,92 @@ def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Plan
 
     `cast` casts the frame given the slots' surface classes (`Caster.run`); `visible.general` is refined in place.
     """
-    exact = ExactScene(scene)
-    classes: NDArray[np.int32] | None = None
+    settlement = _Settlement(scene, visible, bins)
     if scene.output.precision == "exact":
-        _refine(exact, scene, visible, _drowned(visible.general)[:_MOST_AT_ONCE])
-    planes, doubts = cast(classes)
-    if _many(doubts):
-        classes = _surface_classes(exact, visible, doubts)
-        if classes is not None:
-            planes, doubts = cast(classes)
-    if _many(doubts):
-        _refine(exact, scene, visible, _general_rows(visible, bins, doubts))
-        planes, doubts = cast(classes)
-        again = _surface_classes(exact, visible, doubts) if _many(doubts) else None
-        if again is not None:
-            planes, doubts = cast(again if classes is None else np.maximum(classes, again))
-    x0, y0 = scene.camera.crop[:2]
+        settlement.refine(_drowned(visible.general))
+    planes, doubts = cast(settlement.classes)
+    for step in (settlement.classify, settlement.refine_seen, settlement.classify):
+        if np.count_nonzero(doubts["reasons"] & _DOUBT_HIT) <= _FEW:
+            break
+        if step(doubts):
+            planes, doubts = cast(settlement.classes)
     for doubt in doubts:
-        _solve(exact, scene, visible, bins, planes, doubt, (int(doubt["y"]) - y0, int(doubt["x"]) - x0))
+        settlement.solve(planes, doubt)
     return planes, len(doubts)
 
 
-def _many(doubts: NDArray[Any]) -> bool:
-    return np.count_nonzero(doubts["reasons"] & _DOUBT_HIT) > _FEW
+class _Settlement:
+    """One frame's exact arithmetic, and what it has found.
 
+    Attributes:
+        classes: (m, 3) int32 numbers of the slots' surfaces and caps, equal where they are the same set of points.
+    """
 
-def _surface_classes(exact: ExactScene, visible: Visible, doubts: NDArray[Any]) -> NDArray[np.int32] | None:
-    """(m, 3) classes of the slots' surfaces and caps that tie somewhere; None where no two are the same."""
-    tied = doubts[doubts["rival"] >= 0]
-    hits = np.unique(np.concatenate([tied["winner"], tied["rival"]]))
-    slots, surfaces = hits >> 2, _SURFACE_OF_KIND[hits & 3]
-    numbers: dict[tuple[Any, ...], int] = {}
-    classes = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
-    for slot, surface in sorted({(int(slot), int(surface)) for slot, surface in zip(slots, surfaces, strict=True)}):
-        key = exact.surface_key(int(visible.quadric[slot]), surface)
-        classes[slot, surface] = numbers.setdefault(key, len(numbers))
-    return classes if 0 < len(numbers) < np.count_nonzero(classes >= 0) else None
+    def __init__(self, scene: Scene, visible: Visible, bins: Bins) -> None:
+        self._scene, self._visible, self._bins = scene, visible, bins
+        self._exact = ExactScene(scene)
+        self._numbers: dict[tuple[Any, ...], int] = {}
+        self.classes = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
+
+    def classify(self, doubts: NDArray[Any]) -> bool:
+        """Numbers the surfaces that tie somewhere; whether any two of them are the same."""
+        tied = doubts[doubts["rival"] >= 0]
+        hits = np.unique(np.concatenate([tied["winner"], tied["rival"]]))
+        known = len(self._numbers)
+        found = {(int(slot), int(surface)) for slot, surface in zip(hits >> 2, _SURFACE_OF_KIND[hits & 3], strict=True)}
+        for slot, surface in sorted(found):
+            key = self._exact.surface_key(int(self._visible.quadric[slot]), surface)
+            self.classes[slot, surface] = self._numbers.setdefault(key, len(self._numbers))
+        return len(found) > len(self._numbers) - known
+
+    def refine_seen(self, doubts: NDArray[Any]) -> bool:
+        """Refines the general records that pixels with doubtful hits may see; whether there are any."""
+        doubts = doubts[(doubts["reasons"] & _DOUBT_HIT) != 0]
+        tiles = np.unique(self._bins.tile_of(doubts["x"], doubts["y"]))
+        slots = np.unique(np.concatenate([np.empty(0, np.int32), *(self._bins.slots(int(tile)) for tile in tiles)]))
+        rows = ~self._visible.record[slots]
+        self.refine(rows[rows >= 0].astype(np.intp))
+        return bool((rows >= 0).any())
+
+    def refine(self, rows: NDArray[np.intp]) -> None:
+        """Rounds general records from exact forms."""
+        quadric_of = self._visible.quadric[self._visible.record < 0]
+        for row in rows[:_MOST_AT_ONCE].tolist():
+            record, quadric = self._visible.general[row], int(quadric_of[row])
+            # The kernels' forms are scaled to entries below 1, their directions by the unit.
+            matrix_row = int(self._scene.quadrics.matrix_row[quadric])
+            matrix = self._scene.quadrics.matrix[matrix_row] if matrix_row >= 0 else np.array([0.5])
+            shrink = -int(np.frexp(np.abs(matrix).max())[1])
+            with suppress(OverflowError):
+                forms = self._exact.forms(quadric).about(*map(int, record["centre"]))
+                _write_record(record, forms, shrink, self._visible.unit)
+
+    def solve(self, planes: Planes, doubt: Any) -> None:
+        """Writes one pixel of the planes."""
+        x, y, reasons = int(doubt["x"]), int(doubt["y"]), int(doubt["reasons"])
+        x0, y0 = self._scene.camera.crop[:2]
+        pixel = self._first_hit(x, y, float(doubt["depth"]))
+        for channel in self._scene.output.channels:
+            # Where only a depth's rounding was in doubt the normal and position stay what casting makes of its winner.
+            if not reasons & (_DOUBT_HIT | _SETTLES.get(channel, reasons)):
+                continue
+            for name, value in self._exact.channel(channel, pixel).items():
+                planes[name][y - y0, x - x0] = value
+        if "A" in planes:
+            planes["A"][y - y0, x - x0] = pixel is not None
+
+    def _first_hit(self, x: int, y: int, depth: float) -> ExactPixel | None:
+        """The pixel, looking behind the depth that casting found only where nothing is hit before it."""
+        slots = self._bins.slots(int(self._bins.tile_of(x, y)))
+        box = self._visible.box[slots]
+        slots = slots[(box[:, 0] <= x) & (x < box[:, 2]) & (box[:, 1] <= y) & (y < box[:, 3])]
+        depth *= 1 + 2.0**-20
+        front = self._visible.nearest[slots] <= depth
+        if not front.all() and depth > 0:
+            pixel = self._exact.pixel(x, y, self._visible.quadric[slots[front]].tolist())
+            if pixel is not None and pixel.z <= depth:
+                return pixel
+        return self._exact.pixel(x, y, self._visible.quadric[slots].tolist())
 
 
 def _drowned(general: NDArray[Any]) -> NDArray[np.intp]:
@@ -97,27 +147,6 @@ def _drowned(general: NDArray[Any]) -> NDArray[np.intp]:
         drowned |= largest["s"] <= unit * general["compound_sum"] * (2 * moment + unit * x * y) * x * y
     rows: NDArray[np.intp] = np.flatnonzero(drowned & (general["spatial_sum"] > 0))
     return rows
-
-
-def _general_rows(visible: Visible, bins: Bins, doubts: NDArray[Any]) -> NDArray[np.intp]:
-    """The general records that pixels with doubtful hits may see."""
-    doubts = doubts[(doubts["reasons"] & _DOUBT_HIT) != 0]
-    tiles = np.unique((doubts["y"] // TILE - bins.origin[1]) * bins.columns + (doubts["x"] // TILE - bins.origin[0]))
-    slots = np.unique(np.concatenate([np.empty(0, np.int32), *(bins.slots(int(tile)) for tile in tiles)]))
-    rows = ~visible.record[slots]
-    return rows[rows >= 0].astype(np.intp)[:_MOST_AT_ONCE]
-
-
-def _refine(exact: ExactScene, scene: Scene, visible: Visible, rows: NDArray[np.intp]) -> None:
-    """Rounds general records from exact forms."""
-    quadric_of = visible.quadric[visible.record < 0]
-    for row in rows.tolist():
-        record, quadric = visible.general[row], int(quadric_of[row])
-        # The kernels' forms are scaled to entries below 1, their directions by the unit.
-        matrix_row = int(scene.quadrics.matrix_row[quadric])
-        shrink = -int(np.frexp(np.abs(scene.quadrics.matrix[matrix_row]).max())[1]) if matrix_row >= 0 else 0
-        with suppress(OverflowError):
-            _write_record(record, exact.forms(quadric).about(*map(int, record["centre"])), shrink, visible.unit)
 
 
 def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> None:
@@ -142,37 +171,3 @@ def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> N
         record["range"][side], record["cap"][side] = end, cap
     # No noise of set-up is left.
     record["kappa"], record["moment_norm"] = 0.0, 0.0
-
-
-def _solve(
-    exact: ExactScene, scene: Scene, visible: Visible, bins: Bins, planes: Planes, doubt: Any, place: tuple[int, int]
-) -> None:
-    """Writes one pixel of the planes."""
-    x, y = int(doubt["x"]), int(doubt["y"])
-    tile = (y // TILE - bins.origin[1]) * bins.columns + (x // TILE - bins.origin[0])
-    slots = bins.slots(tile)
-    box = visible.box[slots]
-    slots = slots[(box[:, 0] <= x) & (x < box[:, 2]) & (box[:, 1] <= y) & (y < box[:, 3])]
-    pixel = _first_hit(exact, visible, slots, doubt, (x, y))
-    reasons = int(doubt["reasons"])
-    for channel in scene.output.channels:
-        # Where only a depth's rounding was in doubt the normal and position stay what casting makes of its winner.
-        if not reasons & (_DOUBT_HIT | _SETTLES.get(channel, reasons)):
-            continue
-        for name, value in exact.channel(channel, pixel).items():
-            planes[name][place] = value
-    if "A" in planes:
-        planes["A"][place] = pixel is not None
-
-
-def _first_hit(
-    exact: ExactScene, visible: Visible, slots: NDArray[np.int32], doubt: Any, place: tuple[int, int]
-) -> ExactPixel | None:
-    """The pixel, looking behind the depth that casting found only where nothing is hit before it."""
-    depth = float(doubt["depth"]) * (1 + 2.0**-20)
-    front = visible.nearest[slots] <= depth
-    if not front.all() and depth > 0:
-        pixel = exact.pixel(*place, visible.quadric[slots[front]].tolist())
-        if pixel is not None and pixel.z <= depth:
-            return pixel
-    return exact.pixel(*place, visible.quadric[slots].tolist())
