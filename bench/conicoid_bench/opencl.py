@@ -82,7 +82,7 @@ def tile_lists(box: NDArray[np.int64], width: int, height: int) -> tuple[NDArray
     """Where each tile's list ends, tiles row by row, and all lists: which boxes touch it, in their own order."""
     columns, rows = -(-width // _TILE), -(-height // _TILE)
     low, high = box[:, :2] // _TILE, -(-box[:, 2:] // _TILE)
-    size = np.maximum(high - low, 0)
+    size = np.where((box[:, 2:] > box[:, :2]).all(axis=1, keepdims=True), high - low, 0)
     many = size.prod(axis=1)
     owner = np.repeat(np.arange(len(box)), many)
     place = np.arange(len(owner)) - np.repeat(np.cumsum(many) - many, many)

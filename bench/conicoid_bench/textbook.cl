@@ -81,7 +81,7 @@ __kernel void trace(int width, int height, __constant REAL *rays, __global const
             if (t > 0 && t < hit && (a * t + 2 * b) * t + c <= 0) {
                 hit = t;
                 gx = gy = 0;
-                gz = i ? 1 : -1;
+                gz = 1;  /* turned to face below */
             }
         }
         if (hit < nearest) {
