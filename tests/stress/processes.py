@@ -17,7 +17,11 @@ from tests.stress.workload import Job
 def in_processes(work: Iterator[Job], processes: int, pixels: int, seconds: float) -> Iterator[Result]:
     """Results as they come, until that many pixels are checked or that much time is over."""
     end = time.monotonic() + seconds
-    with ProcessPoolExecutor(processes, multiprocessing.get_context("spawn")) as pool:
+    spawn = multiprocessing.get_context("spawn")
+    with (
+        tempfile.TemporaryDirectory(prefix="conicoid-stress-") as folder,
+        ProcessPoolExecutor(processes, spawn, own_cache, (folder,)) as pool,
+    ):
         # A few jobs ahead, so that no process waits.
         running: set[Future[Result]] = {pool.submit(run, job) for job in itertools.islice(work, 2 * processes)}
         while running:
@@ -30,6 +34,11 @@ def in_processes(work: Iterator[Job], processes: int, pixels: int, seconds: floa
                     running.add(pool.submit(run, next(work)))
 
 
+def own_cache(folder: str) -> None:
+    """Kernels are compiled into a folder of this process alone: processes that share one have crashed."""
+    os.environ["POCL_CACHE_DIR"] = tempfile.mkdtemp(dir=folder)
+
+
 def run(job: Job) -> Result:
     """Checks one job in this process."""
     return check(job, renderer())
@@ -37,7 +46,5 @@ def run(job: Job) -> Result:
 
 @cache
 def renderer() -> Renderer:
-    """This process's renderer; its kernel cache is its own: processes that share one have crashed."""
-    with tempfile.TemporaryDirectory(prefix="conicoid-stress-", ignore_cleanup_errors=True) as folder:
-        os.environ["POCL_CACHE_DIR"] = folder
-        return Renderer()
+    """This process's renderer."""
+    return Renderer()
