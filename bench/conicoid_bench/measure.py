@@ -26,7 +26,7 @@ class Errors:
         wrong_hits: pixels that are a hit in one and a miss in the other.
         wrong_ids: pixels that show another quadric.
         worst_ulp, median_ulp: float32 numbers between the depth and the exact one, rounded; None without a pixel.
-        worst_degrees: largest angle between normals; None without a pixel.
+        worst_degrees: largest angle between normals, as lines; None without a pixel.
     """
 
     wrong_hits: int
@@ -60,15 +60,18 @@ def _ordinal(value: NDArray[np.float32]) -> NDArray[np.int64]:
 
 
 def angles(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.float64]:
-    """(n,) degrees between (n, 3) vectors; 180 for what is no direction."""
+    """(n,) degrees between the lines along (n, 3) vectors, 0 to 90; 90 for what is no direction.
+
+    Lines, because at a grazing ray rounding alone says to which side a normal is turned to face the camera.
+    """
     first, second = got.astype(np.float64), exact.astype(np.float64)
     # Kahan's form: it does not lose small angles.
     with np.errstate(invalid="ignore"):
         first = first / np.linalg.norm(first, axis=1, keepdims=True)
         second = second / np.linalg.norm(second, axis=1, keepdims=True)
         apart, together = np.linalg.norm(first - second, axis=1), np.linalg.norm(first + second, axis=1)
-        degrees = np.degrees(2 * np.arctan2(apart, together))
-    return np.where(np.isnan(degrees), 180.0, degrees)
+        degrees = np.degrees(2 * np.arctan2(np.minimum(apart, together), np.maximum(apart, together)))
+    return np.where(np.isnan(degrees), 90.0, degrees)
 
 
 def timed(job: Job) -> tuple[Any, list[float]]:

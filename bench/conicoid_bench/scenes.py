@@ -13,6 +13,8 @@ from conicoid.scene import Scene
 from conicoid_bench.workloads import HEIGHT, WIDTH, camera, ellipsoids, quadrics_of
 
 _FOV_Y = 40.0
+# Of length 1, and along no axis: along an axis the coordinates of rays keep more digits than elsewhere.
+_DIRECTION = (0.48, 0.6, -0.64)
 
 
 @dataclass(frozen=True)
@@ -36,9 +38,11 @@ def built_in(scale: float = 1.0) -> Iterator[BenchScene]:
     sphere = {"shape": "sphere", "center": [0.03, 0.02, -4]}
     yield _document("sphere near", "nothing: every renderer should do well", [sphere], size)
     for power in range(3, 9):
-        far = [{"shape": "sphere", "center": [0.03, 0.02, -(10.0**power)]}]
+        place = [10.0**power * axis for axis in _DIRECTION]
+        view = {"eye": [0, 0, 0], "target": place, "up": [0, 1, 0]}
         reason = "c = |o|² − r² cancels; the same size on screen as the one nearby"
-        yield _document(f"sphere at 1e{power}", reason, far, size, fov_y=_FOV_Y * 4 / 10.0**power)
+        yield _document(f"sphere at 1e{power}", reason, [{"shape": "sphere", "center": place}], size,
+                        fov_y=_FOV_Y * 4 / 10.0**power, look_at=view)  # fmt: skip
     moved = [{"shape": "sphere", "center": [1e7 + 0.003, 1e7 + 0.002, 1e7 - 0.4], "radius": 0.1}]
     eye = [[1, 0, 0, 1e7], [0, 1, 0, 1e7], [0, 0, 1, 1e7], [0, 0, 0, 1]]
     yield _document("r = 0.1, all moved 1e7", "camera and sphere moved away together: nothing should change",

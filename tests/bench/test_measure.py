@@ -49,7 +49,7 @@ def test_angles_small_and_large_are_told() -> None:
     got = np.array([[0, 1e-6, 1], [0, 2, 2], [0, 0, -1], [0, 0, 0], [np.nan, 0, 1]], dtype=np.float32)
     exact = np.tile(np.array([0, 0, 1], dtype=np.float32), (5, 1))
     # binary32 rounds 1e-6 to within 6e-8 of it.
-    assert angles(got, exact) == pytest.approx([np.degrees(1e-6), 45, 180, 180, 180], rel=1e-7)
+    assert angles(got, exact) == pytest.approx([np.degrees(1e-6), 45, 0, 90, 90], rel=1e-7)
 
 
 def test_the_first_run_only_warms_and_at_least_three_are_timed() -> None:

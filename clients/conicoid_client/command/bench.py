@@ -17,6 +17,9 @@ _NEEDED = ("matplotlib", "mitsuba")
 
 def run(options: argparse.Namespace) -> None:
     """Run the measurement that was asked for; `error` is the only one."""
+    folder = Path(options.output)
+    files.check_writable(str(folder / "error.json") if folder.is_dir() else str(folder))
+    scenes = _scenes(options)
     missing = [name for name in _NEEDED if find_spec(name) is None]
     if missing:
         raise Failure(f"conicoid bench needs {' and '.join(missing)}; install with: pip install 'conicoid[bench]'")
@@ -24,9 +27,6 @@ def run(options: argparse.Namespace) -> None:
     from conicoid_bench.error import WrongTruth, run
     from conicoid_bench.files import write
 
-    folder = Path(options.output)
-    files.check_writable(str(folder / "error.json") if folder.is_dir() else str(folder))
-    scenes = _scenes(options)
     try:
         results = run(scenes, options.checked, _say)
     except (WrongTruth, DeviceError) as error:
