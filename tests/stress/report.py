@@ -17,8 +17,8 @@ P within one unit of its largest component, no −0. Scenes that ask for ZBack a
 because closed surfaces then take another path through the kernels. Half of a sample lies beside edges.
 """
 COLUMNS = """Columns: pixels and hits that the oracle answered; wrong masks or ids; misrounded Z, T or ZBack; N and P
-beyond the promise; negative zeros, each counted over all renderings of a scene; worst N in units of 2⁻²³, worst P in units of
-float32 of its largest component; pixels of the image that binary64 left to exact integers.
+beyond the promise; negative zeros, each counted over all renderings of a scene; worst N in units of 2⁻²³, worst P in
+units of float32 of its largest component; pixels of the image that binary64 left to exact integers.
 """
 
 
