@@ -96,6 +96,16 @@ def midpoints_along_a_slope() -> tuple[list[Document], Document]:
     return [placed("plane", rows)], orthographic(**CENTRED)
 
 
+for label, depth in (("even", 4 + 2.0**-22), ("odd", 4 + 3 * 2.0**-22)):
+    lean = 2.0**-56
+    enter(f"leaning_on_a_midpoint_{label}",
+          f"depths {depth!r} but for 2^-56 of a slope: a tie in binary64, in truth above it or below",
+          [placed("plane", [[1, 0, 0, 0], [0, 1, 0, 0], [lean, 0, 1, -depth]])], orthographic(**CENTRED))  # fmt: skip
+    enter(f"leaning_on_near_{label}", "the same plane cut by near at that depth: one half of it is kept",
+          [placed("plane", [[1, 0, 0, 0], [0, 1, 0, 0], [lean, 0, 1, -depth]])],
+          orthographic(near=depth, **CENTRED))  # fmt: skip
+
+
 @stress
 def midpoints_of_a_parabola() -> tuple[list[Document], Document]:
     """Depths 4 + (x² + y²) 2^-22: squares of whole numbers of midpoints, rational roots of a linear equation."""

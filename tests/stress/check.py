@@ -74,10 +74,10 @@ def check(job: Job, renderer: Renderer) -> Result:
 
 def chosen(job: Job, frame: Frame) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Rows and columns to check: all, or a sample of which half lie beside a change of id."""
-    ids = frame.planes["id"].astype(np.int64)
     if not job.sample:
-        rows, columns = np.indices(ids.shape)
+        rows, columns = np.indices(next(iter(frame.planes.values())).shape)
         return rows.ravel(), columns.ravel()
+    ids = frame.planes["id"].astype(np.int64)
     edge = np.zeros(ids.shape, dtype=bool)
     edge[:, 1:] |= ids[:, 1:] != ids[:, :-1]
     edge[1:, :] |= ids[1:, :] != ids[:-1, :]
