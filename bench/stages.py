@@ -20,20 +20,20 @@ from typing import Any
 
 import numpy as np
 import pyopencl
-from workloads import ellipsoids
 
 from conicoid.canonical import scene_hash
 from conicoid.device import find_device
 from conicoid.document import parse
 from conicoid.engine import Renderer
 from conicoid.memory import Queue
-from conicoid.scene import Scene
+from conicoid.scene import Precision, Scene
+from conicoid_bench.workloads import ellipsoids
 from conicoid_service.exr import encode
 
 ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "bench" / "results"
 PAGE = ROOT / "docs" / "performance.md"
-PRECISIONS = ("exact", "float64", "float32")
+PRECISIONS: tuple[Precision, ...] = ("exact", "float64", "float32")
 EXAMPLES = ("lysozyme", "shapes", "far", "orthographic")
 
 _FILL = """
@@ -100,7 +100,9 @@ def measure(device: str, repeats: int) -> dict[str, Any]:
                 row["encode"] = 1e3 * (time.perf_counter() - start)
         rows.append(row)
         print(json.dumps(row), flush=True)
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True, cwd=ROOT)
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True, cwd=ROOT
+    )
     return {"device": renderer.device.as_dict(), "processor": _processor(), "commit": commit.stdout.strip(),
             "repeats": repeats, "rows": rows}  # fmt: skip
 

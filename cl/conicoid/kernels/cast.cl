@@ -16,9 +16,11 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
     quadratic s = move_quadratic(r->s, du, dv);
 #if EXACT
     simple_error error = simple_error_of(r, du, dv);
+    // S raised by its error: what is negative now is a miss, and a root too near zero shows in the winner.
+    s.one += 0.5 * error.s;
     // A key's error: that of b, of a root no smaller than the error of S, and two roundings.
     real slop = error.b + sqrt(error.s) + 4 * UNIT_ROUNDOFF * sqrt(error.s * (1 / (40 * UNIT_ROUNDOFF)));
-    if (highest_quadratic(s, half_tile) < -2 * error.s)
+    if (highest_quadratic(s, half_tile) < -error.s)
         return 0;
 #else
     const real slop = 0;
@@ -46,7 +48,7 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
 #if EXACT
             reals needed = (tile->key[cell] - (slop + tile->slop[cell])) - lead;
             // Negated, so that bounds out of range leave everything in doubt.
-            mask plausible = ~((at < -error.s) | ((needed > 0) & (at + 4 * error.s < needed * needed)));
+            mask plausible = ~((at < 0) | ((needed > 0) & (at + 4 * error.s < needed * needed)));
 #else
             reals needed = (tile->key[cell] - lead) * shrink;
             mask plausible = (at >= 0) & ((needed <= 0) | (at >= needed * needed));
@@ -56,10 +58,6 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
             reals root = sqrt(at);
             // NaN, and so never better, where S is negative.
             reals key = lead + root;
-#if EXACT
-            mask open = plausible & ~(at >= (real)CLEAR * error.s);
-            note_doubt(tile, cell, open, DOUBT_HIT);
-#endif
             offer(tile, cell, key, (reals)(slop), root, challenger, in->document_order, in->surface_class);
             improved = 1;
         }

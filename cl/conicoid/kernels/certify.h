@@ -1,7 +1,7 @@
 // Error bounds of EXACT casting that are not part of a polynomial, and the list of pixels that they leave open.
 
 #if EXACT
-// Error bounds of a simple record over a tile. No term of S, expanded in the parameter-space moments, passes through
+// Error bounds of a simple record over a tile; that of S counts twice, as casting adds it to S. No term of S, expanded in the parameter-space moments, passes through
 // more than 30 roundings (set-up 14, moving 7, evaluation 6, two divisions by a rounded F'DF), none of b through more
 // than 20.
 typedef struct {
@@ -11,7 +11,7 @@ typedef struct {
 static inline simple_error simple_error_of(__global const simple_record *r, double du, double dv)
 {
     double s = norm_at(r->s_norm, du, dv);
-    return (simple_error){40.0 * UNIT_ROUNDOFF * s * s, 24.0 * UNIT_ROUNDOFF * norm_at(r->b_norm, du, dv)};
+    return (simple_error){80.0 * UNIT_ROUNDOFF * s * s, 24.0 * UNIT_ROUNDOFF * norm_at(r->b_norm, du, dv)};
 }
 
 // Whether a value within `error` of x may round to another binary32 than x does: the nearest boundary between two

@@ -15,21 +15,20 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
 #if EXACT
     reals error[CELLS];
     const double per_unit = 1.01 / f->unit;
+#endif
     for (int cell = 0; cell < CELLS; cell++) {
+        mask hit = tile->winner[cell] != MISS;
+#if EXACT
         // t = unit / key moves by t^2 / unit times what the key does.
         reals moved = f->orthographic ? tile->slop[cell] * f->unit : tile->slop[cell] * (t[cell] * t[cell]) * per_unit;
         error[cell] = moved + 2 * UNIT_ROUNDOFF * t[cell];
+        if (channels & WANT_Z)
+            note_doubt(tile, cell, hit & may_round_otherwise(t[cell], error[cell]), DOUBT_VALUE);
+#endif
+        out[cell] = TO_FLOATS(hit ? t[cell] : (reals)(f->background));
     }
-#endif
-    if (channels & WANT_Z) {
-#if EXACT
-        for (int cell = 0; cell < CELLS; cell++)
-            note_doubt(tile, cell, (tile->winner[cell] != MISS) & may_round_otherwise(t[cell], error[cell]), DOUBT_VALUE);
-#endif
-        for (int cell = 0; cell < CELLS; cell++)
-            out[cell] = TO_FLOATS(tile->winner[cell] != MISS ? t[cell] : (reals)(f->background));
+    if (channels & WANT_Z)
         store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
-    }
     if (channels & WANT_ZBACK) {
         for (int cell = 0; cell < CELLS; cell++) {
             reals last = tile->last[cell] * (real)f->unit;
@@ -159,10 +158,13 @@ static void store_form_channels(__global const frame *f, const window *w, tile_s
             real py = cell / VECTORS + (real)0.5 - TILE / 2;
 #if EXACT
             // Casting compared keys by the error that any root of S may have; this is the winner's own.
-            reals inverse_root = 1 / tile->root[cell];
+            // An upper bound of 1/sqrt(S) will do: binary32 and its rounding up.
+            reals inverse_root = FROM_FLOATS(1.000001f / TO_FLOATS(tile->root[cell]));
             if (record >= 0) {
                 reals own = sn.key.b + sn.key.s * inverse_root + 4 * UNIT_ROUNDOFF * tile->root[cell];
                 tile->slop[cell] = mine ? own : tile->slop[cell];
+                // Negated: an infinite bound, or a root of NaN, is in doubt.
+                note_doubt(tile, cell, mine & ~(tile->root[cell] >= sn.clear_root), DOUBT_HIT);
             }
 #endif
             if (channels & WANT_N) {

@@ -13,6 +13,7 @@ typedef struct {
 #if EXACT
     real floor, root, root_error;    // the error of a component: floor + root sqrt(S) + root_error / sqrt(S)
     simple_error key;
+    real clear_root;                 // a smaller sqrt(S) may be none
 #endif
 } simple_normal;
 
@@ -26,6 +27,7 @@ static inline simple_normal move_simple_normal(__global const simple_record *r, 
 #if EXACT
     // 32 roundings from the moments to a component's value.
     m.key = simple_error_of(r, du, dv);
+    m.clear_root = sqrt(CLEAR * m.key.s);
     m.floor = 32 * UNIT_ROUNDOFF * norm_at(r->n_norm, du, dv);
     m.root = 32 * UNIT_ROUNDOFF * r->g_norm;
     m.root_error = r->g_norm * m.key.s;
