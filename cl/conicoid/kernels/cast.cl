@@ -14,8 +14,17 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
     const real half_tile = TILE / 2;
     double du = (in->u0 + TILE / 2) - r->centre[0], dv = (in->v0 + TILE / 2) - r->centre[1];
     quadratic s = move_quadratic(r->s, du, dv);
+    int y0 = max(box.y - in->v0, 0), y1 = min(box.w - in->v0, TILE);
+    int c0 = max(box.x - in->u0, 0) / LANES, c1 = min((box.z - in->u0 + LANES - 1) / LANES, VECTORS);
 #if EXACT
     simple_error error = simple_error_of(r, du, dv);
+    if (!(error.s < 0x1p500 && error.b < 0x1p500)) {
+        // A record out of range says nothing: every pixel of its box is in doubt.
+        for (int y = y0; y < y1; y++)
+            for (int c = c0; c < c1; c++)
+                note_doubt(tile, y * VECTORS + c, (mask)(-1), DOUBT_HIT);
+        return 1;
+    }
     // S raised by its error: what is negative now is a miss, and a root too near zero shows in the winner.
     s.one += 0.5 * error.s;
     // A key's error: that of b, of a root no smaller than the error of S, and two roundings.
@@ -28,8 +37,6 @@ static int cast_simple(tile_state *tile, __global const simple_record *r, int sl
         return 0;
 #endif
     linear b = move_linear(r->b, du, dv);
-    int y0 = max(box.y - in->v0, 0), y1 = min(box.w - in->v0, TILE);
-    int c0 = max(box.x - in->u0, 0) / LANES, c1 = min((box.z - in->u0 + LANES - 1) / LANES, VECTORS);
     const real shrink = (real)(1 - 0x1p-20);
     mask challenger = (mask)((integer)slot << 2);
     int improved = 0;
