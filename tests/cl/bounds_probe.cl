@@ -1,0 +1,52 @@
+// The polynomials of a record and their error bounds at single pixels, by the functions that casting calls.
+
+#define ROW 16
+
+static inline void middle_of(int2 pixel, int2 *tile, reals *x, real *y)
+{
+    *tile = (int2)(pixel.x / TILE * TILE, pixel.y / TILE * TILE) + TILE / 2;
+    *x = (reals)((real)(pixel.x - tile->x) + (real)0.5);
+    *y = (real)(pixel.y - tile->y) + (real)0.5;
+}
+
+__kernel void evaluate_general(__global const int2 *pixel, __global const int *row, __global const general_record *general,
+                               __global const clip_record *clips, __global double *out)
+{
+    int i = get_global_id(0);
+    int2 tile;
+    reals x;
+    real y;
+    middle_of(pixel[i], &tile, &x, &y);
+    general_tile g = move_general(general + row[i], clips, tile.x, tile.y, 0, INFINITY);
+    reals value[8] = {at_quadratic(g.s, x, y), at_quadratic(g.a, x, y), at_linear(g.b, x, y), at_quadratic(g.c, x, y)};
+    double error[8] = {g.s.error, g.a.error, g.b.error, g.c.error};
+    if (g.flags & HAS_RANGE)
+        for (int side = 0; side < 2; side++) {
+            value[4 + 2 * side] = at_linear(g.range[side], x, y);
+            error[4 + 2 * side] = g.range[side].error;
+            value[5 + 2 * side] = at_quadratic(g.cap[side], x, y);
+            error[5 + 2 * side] = g.cap[side].error;
+        }
+    for (int k = 0; k < 8; k++) {
+        out[ROW * i + 2 * k] = LANE(real, value[k], 0);
+        out[ROW * i + 2 * k + 1] = error[k];
+    }
+}
+
+__kernel void evaluate_simple(__global const int2 *pixel, __global const int *row, __global const simple_record *simple,
+                              __global double *out)
+{
+    int i = get_global_id(0);
+    int2 tile;
+    reals x;
+    real y;
+    middle_of(pixel[i], &tile, &x, &y);
+    __global const simple_record *r = simple + row[i];
+    double du = tile.x - r->centre[0], dv = tile.y - r->centre[1];
+    reals s = at_quadratic(move_quadratic(r->s, du, dv), x, y), b = at_linear(move_linear(r->b, du, dv), x, y);
+    simple_error error = simple_error_of(r, du, dv);
+    out[ROW * i] = LANE(real, s, 0);
+    out[ROW * i + 1] = error.s;
+    out[ROW * i + 2] = LANE(real, b, 0);
+    out[ROW * i + 3] = error.b;
+}
