@@ -1,7 +1,7 @@
 """The engine's front: a resolved scene in, planes of pixels out."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from conicoid.bins import Binning
 from conicoid.cast import Caster
 from conicoid.device import describe, find_device
+from conicoid.extent import clear_of_planes
 from conicoid.memory import Queue
 from conicoid.probe import check_arithmetic
 from conicoid.scene import Camera, Output, Precision, Quadrics, Scene
@@ -61,6 +62,7 @@ class Renderer:
     def render(self, scene: Scene) -> Frame:
         """Cast every pixel of the crop."""
         start = time.perf_counter()
+        scene = replace(scene, quadrics=replace(scene.quadrics, z_range=clear_of_planes(scene.quadrics)))
         view = view_of(scene.camera, scene.output)
         visible = self._setup.run(scene.quadrics, scene.camera, view, want_back="ZBack" in scene.output.channels)
         bins = self._binning.run(visible.box, scene.camera.crop)

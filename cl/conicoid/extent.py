@@ -85,6 +85,26 @@ def extent_of(quadrics: Quadrics) -> Extent:
     return Extent(kind, centre, half, flags, whole & bounded)
 
 
+def clear_of_planes(quadrics: Quadrics) -> Floats:
+    """(n, 2) float64 z_range, moved off planes that the surface itself lies in; it keeps the same points.
+
+    `plane` is z = 0 and `parallel_planes` z = -c and c, so whether a sheet is kept is known here; a range that ends on
+    one would leave every pixel of it to exact arithmetic. Caps need the ends as they are.
+    """
+    z_range = quadrics.z_range.copy()
+    ranged = np.isfinite(z_range[:, 0]) & ~quadrics.capped
+    for name, has_sheets in (("plane", False), ("parallel_planes", True)):
+        rows = np.flatnonzero(ranged & (quadrics.shape == _CODE[name]))
+        low, high = z_range[rows, 0], z_range[rows, 1]
+        c = quadrics.radii[rows, 2] if has_sheets else np.zeros(len(rows))
+        unit = np.where(c > 0, 2 * c, 1.0)
+        # Ends between or beyond the sheets; with one plane both sheets are z = 0.
+        between = 0.0 if has_sheets else unit
+        z_range[rows, 0] = np.where(low <= -c, -unit, np.where(low <= c, between, unit))
+        z_range[rows, 1] = np.where(high >= c, unit, np.where(high >= -c, between, -unit))
+    return z_range
+
+
 def _definite_box(matrix: Floats) -> tuple[Floats, Floats]:
     """Centre and half size of x^T Q x = 0 where Q's 3x3 part is safely definite; infinite elsewhere."""
     unbounded = np.zeros(3), np.full(3, np.inf)
