@@ -72,7 +72,7 @@ def _panel(axes: "Axes", scene: dict[str, Any], errors: Any, levels: dict[float,
                   markeredgecolor="white", markeredgewidth=0.7, zorder=4 if marker == "*" else 3)  # fmt: skip
     axes.set_ylim(-0.5, 4 * max(levels))
     axes.margins(x=0.15)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5), numticks=12))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 3), numticks=12))
     axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
 
