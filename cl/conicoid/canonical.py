@@ -22,7 +22,7 @@ def canonical_document(scene: Scene) -> dict[str, Any]:
         return {
             "conicoid": 1,
             "quadrics": _quadrics(scene.quadrics),
-            "camera": _camera(scene.camera),
+            "camera": camera_document(scene.camera),
             "output": _output(scene.output),
         }
 
@@ -69,7 +69,8 @@ def _parameters(shape: Shape, radii: list[float]) -> dict[str, Any]:
     return {"radii": radii[: shape.radii]}
 
 
-def _camera(camera: Camera) -> dict[str, Any]:
+def camera_document(camera: Camera) -> dict[str, Any]:
+    """The `camera` member of the canonical document."""
     document = {
         "projection": camera.projection,
         "convention": "opengl",

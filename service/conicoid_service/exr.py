@@ -9,7 +9,8 @@ import orjson
 from numpy.typing import NDArray
 
 from conicoid import __version__
-from conicoid.scene import Camera, Output, Scene
+from conicoid.canonical import camera_document
+from conicoid.scene import Output, Scene
 from conicoid_service.camera_matrices import world_to_camera, world_to_ndc
 
 if TYPE_CHECKING:  # the engine loads OpenCL, which writing an image does not need
@@ -76,25 +77,6 @@ def _header(frame: "Frame", scene: Scene, scene_hash: str) -> dict[str, Any]:
         "conicoid/backgroundDepth": output.background_depth,
         "conicoid/normalSpace": output.normal_space,
         "conicoid/normalSide": output.normal_side,
-        "conicoid/camera": _camera_json(camera),
+        # Exact where the M44f attributes are rounded.
+        "conicoid/camera": orjson.dumps(camera_document(camera)).decode(),
     }
-
-
-def _camera_json(camera: Camera) -> str:
-    """The camera in the document's own canonical form: exact where M44f attributes are rounded."""
-    members: dict[str, Any] = {
-        "projection": camera.projection,
-        "convention": "opengl",
-        "width": camera.width,
-        "height": camera.height,
-        "fx": camera.fx,
-        "fy": camera.fy,
-        "cx": camera.cx,
-        "cy": camera.cy,
-        "world_from_camera": camera.world_from_camera.tolist(),
-        "near": camera.near,
-        "crop": list(camera.crop),
-    }
-    if camera.far < float("inf"):
-        members["far"] = camera.far
-    return orjson.dumps(members).decode()
