@@ -66,9 +66,9 @@ def enlarged(original: Document, factor: int) -> Document:
 def random_jobs(seed: int) -> Iterator[Job]:
     """One scene of each random kind."""
     for projection in PROJECTIONS:
-        quadrics, camera, sides = Mix(seed).scene(12, projection, 80, 60)
+        quadrics, camera, sides = Mix(seed).scene(12, projection, 64, 48)
         yield Job("Random mixes", f"mix_{projection}", seed, document(quadrics, camera, **sides))
-    yield Job("Crowds of small balls", "balls", seed, balls(seed, 60, 96, 72))
+    yield Job("Crowds of small balls", "balls", seed, balls(seed, 80, 160, 120))
     yield Job("Far and tiny", "far_and_tiny", seed, far_and_tiny(seed))
     if seed % 4 == 0:
         mix = Mix(seed, spread=3.0, shapes=CURVED)
