@@ -6,7 +6,7 @@ SETUP := .venv/.setup
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check bench image test-package lock clean
+.PHONY: setup demo test check stress bench image test-package lock clean
 
 setup: $(SETUP)
 
@@ -28,6 +28,9 @@ check: $(SETUP)
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	.venv/bin/pytest --quiet tests/test_imports.py
+
+stress: $(SETUP)
+	.venv/bin/python -m tests.stress
 
 bench: $(SETUP)
 	.venv/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement requirements/bench.txt

@@ -18,6 +18,10 @@ from conicoid.scene import Scene
 from conicoid.setup import Setup, Visible
 from conicoid.view import view_of
 from tests.cl.kernel_sources import Edit, edit_kernels
+from tests.scenes import as_scene
+from tests.scenes.catalogue import PROJECTIONS, document
+from tests.scenes.stress_mix import Mix
+from tests.stress.workload import balls, far_and_tiny
 
 LANES = 4
 ROW = 16
@@ -106,6 +110,19 @@ class BoundsProbe:
                 if error:
                     ratio = error / allowed if allowed else fmpq(2)
                     self.worst[name] = max(self.worst[name], int(ratio.p) / int(ratio.q))
+
+
+def sample(probe: BoundsProbe, seeds: Iterable[int], per_quadric: int) -> None:
+    """Mixes of all shapes, small balls, far and tiny things."""
+    for seed in seeds:
+        quadrics, camera, sides = Mix(seed).scene(12, PROJECTIONS[seed % 2], 640, 480)
+        probe.check(as_scene(document(quadrics, camera, **sides)), per_quadric, seed, general=True)
+        crowd = as_scene(balls(seed, 40, 640, 480))
+        for general in (False, True):
+            probe.check(crowd, per_quadric, seed, general=general)
+        tiny = as_scene(far_and_tiny(seed))
+        probe.check(tiny, 8 * per_quadric, seed, general=True)
+        probe.check(tiny, 8 * per_quadric, seed, general=False)
 
 
 def _references(

@@ -12,9 +12,8 @@ import pytest
 from conicoid.engine import Renderer
 from conicoid.errors import DeviceError
 from conicoid.scene import Channel
-from tests.cl.bounds_probe import BoundsProbe
+from tests.cl.bounds_probe import BoundsProbe, sample
 from tests.cl.kernel_sources import Edit, edit_kernels
-from tests.cl.test_error_bounds import sample
 from tests.oracle import Truth
 from tests.oracle.answers import answers
 from tests.oracle.promise import broken

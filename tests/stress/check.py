@@ -1,4 +1,4 @@
-"""One job: rendered in `exact`, with and without the last hit, and judged pixel by pixel."""
+"""One job: rendered in `exact`, with and without the last hit, with ids alone, and judged pixel by pixel."""
 
 from dataclasses import dataclass, replace
 
@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.engine import Frame, Renderer
+from conicoid.scene import Channel
 from tests.oracle.answers import Answers
 from tests.oracle.judge import normal_error, position_error
 from tests.oracle.promise import broken
@@ -44,9 +45,10 @@ def check(job: Job, renderer: Renderer) -> Result:
     """Renders one job's scene and holds it to the promise of `exact`."""
     scene = as_scene(job.document)
     output = replace(scene.output, precision="exact", data_window="full", background_depth=float("inf"))
-    channel_sets = [output.channels]
+    channel_sets: list[tuple[Channel, ...]] = [output.channels]
     if "ZBack" in output.channels and len(output.channels) > 1:
         channel_sets.append(tuple(channel for channel in output.channels if channel != "ZBack"))
+    channel_sets.append(("id", "A"))
     reference = Answers(replace(scene, output=output))
     wrong: dict[str, int] = {}
     places: list[tuple[int, int]] = []

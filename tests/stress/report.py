@@ -6,6 +6,7 @@ from datetime import timedelta
 from itertools import groupby
 from pathlib import Path
 
+from tests.cl.bounds_probe import BoundsProbe
 from tests.stress.check import Result
 
 DEPTHS = ("Z", "T", "ZBack")
@@ -14,7 +15,8 @@ HEAD = """# Stress report
 Written by `make stress`; do not edit. Each scene is rendered in `exact` and compared with `tests/oracle`, which decides
 every pixel in integers and shares no code with the engine: mask and id, Z, T and ZBack to the last bit, N within 2⁻²³,
 P within one unit of its largest component, no −0. Scenes that ask for ZBack are rendered twice, with it and without,
-because closed surfaces then take another path through the kernels. Half of a sample lies beside edges.
+because closed surfaces then take another path through the kernels, and once more with ids alone, where no doubt about
+a depth helps. Half of a sample lies beside edges.
 """
 COLUMNS = """Columns: pixels and hits that the oracle answered; wrong masks or ids; misrounded Z, T or ZBack; N and P
 beyond the promise; negative zeros, each counted over all renderings of a scene; worst N in units of 2⁻²³, worst P in
@@ -27,6 +29,7 @@ class Run:
     """Results of one run and how they came about."""
 
     results: list[Result]
+    bounds: BoundsProbe
     device: str
     commit: str
     seed: int
@@ -47,6 +50,13 @@ def write_report(run: Run, path: Path) -> None:
         f"- {len(run.results)} scenes, {len(fixed)} of them fixed and the others random.\n",
         COLUMNS,
         *table(grouped(run.results), "Group"),
+        "",
+        "## Errors against bounds\n",
+        f"{run.bounds.evaluations:,} values of the kernels' polynomials at pixels of random scenes, compared with",
+        f"exact rationals: {run.bounds.beyond} beyond their bound. Largest error over its bound:\n",
+        "| polynomial | error / bound |",
+        "|---|---:|",
+        *(f"| {name} | {ratio:.3f} |" for name, ratio in run.bounds.worst.items()),
         "",
     ]
     for group, members in grouped(run.results):
