@@ -96,7 +96,8 @@ async def test_device_tells_what_renders_and_what_is_allowed(client: httpx.Async
         "queue": 32,
         "deadline_s": 60,
     }
-    assert "float64" in device["precision"]["exact"]
+    assert "exactly" in device["precision"]["exact"]
+    assert "binary64" in device["precision"]["float64"]
 
 
 async def test_probes_answer(client: httpx.AsyncClient) -> None:
