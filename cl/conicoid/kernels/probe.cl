@@ -8,4 +8,5 @@ void probe_arithmetic(double a, __global double *answer)
     answer[0] = square.lo.s0;   // 2^-60 with a true fma, 0 without
     answer[1] = a * a - p;      // 0, unless the compiler contracts what it was told not to
     answer[2] = square.lo.s3;
+    answer[3] = two_sum((double4)(a), (double4)(a * 0x1p-90)).lo.s0;    // a 2^-90, unless terms were re-associated
 }
