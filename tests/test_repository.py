@@ -28,8 +28,10 @@ def texts() -> dict[str, str]:
 
 
 def test_no_file_is_too_long_to_be_read_in_one_go(texts: dict[str, str]) -> None:
+    # A history grows, and a generated report has a line for every scene.
+    lists = {"CHANGELOG.md", "docs/stress-report.md"}
     lengths = {name: text.count("\n") for name, text in texts.items() if (ROOT / name).suffix in CODE}
-    assert {name: length for name, length in lengths.items() if length > MAX_LINES and name != "CHANGELOG.md"} == {}
+    assert {name: length for name, length in lengths.items() if length > MAX_LINES and name not in lists} == {}
 
 
 def test_nothing_names_one_machine_or_one_package_index(texts: dict[str, str]) -> None:
