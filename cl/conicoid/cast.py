@@ -14,8 +14,8 @@ from conicoid.setup import Visible
 from conicoid.view import View
 
 _FILES: Final = [
-    "records.h", "lanes.h", "polynomials.h", "tile.h", "candidates.h", "certify.h", "normals.h", "offer.h",
-    "channels.h", "cast.cl",
+    "records.h", "lanes.h", "polynomials.h", "tile.h", "certify.h", "offer.h", "candidates.h", "general.h",
+    "normals.h", "simple.h", "winners.h", "channels.h", "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
 # Planes lie in this order, whatever order the document asks them in.
@@ -114,12 +114,13 @@ class Caster:
             for array in (bins.end, bins.entries, visible.box, nearest_key, visible.record, visible.quadric,
                           surface_class, scene.quadrics.id[visible.quadric])
         ]  # fmt: skip
-        records = [queue.read_only(visible.simple), queue.read_only(visible.general), visible.clips]
+        records = [queue.read_only(array) for array in (visible.simple, visible.simple_normals, visible.general)]
         while True:
             count = np.zeros(1, dtype=np.int32)
             frame["capacity"] = len(doubts)
             results = [queue.in_place(array) for array in (floats, ids, count, doubts)]
-            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, *results)
+            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, visible.clips,
+                           *results)  # fmt: skip
             if count[0] <= len(doubts):
                 break
             doubts = np.empty(int(count[0]), dtype=DOUBT)

@@ -26,7 +26,8 @@ def build(
         KernelError: with the compiler's log, lines counted in the named files.
     """
     folder = importlib.resources.files("conicoid") / "kernels"
-    # Neither contraction nor anything of -cl-fast-relaxed-math: double-double needs every operation as written.
+    # Neither contraction, but where a file asks for it, nor anything of -cl-fast-relaxed-math: double-double needs
+    # every operation as written.
     parts = ["#pragma OPENCL EXTENSION cl_khr_fp64 : enable\n#pragma OPENCL FP_CONTRACT OFF\n"]
     parts += [f'#line 1 "{name}"\n{(folder / name).read_text(encoding="utf-8")}\n' for name in files]
     options = [f"-D{name}={value}" for name, value in (defines or {}).items()]

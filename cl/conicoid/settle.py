@@ -20,8 +20,6 @@ from conicoid.setup import Visible
 
 # `reasons` and `kind` in kernels/tile.h and candidates.h.
 _DOUBT_HIT: Final = 1
-# What else makes a channel doubtful; every reason settles the depths.
-_SETTLES: Final = {"N": 4, "P": 8}
 _SURFACE_OF_KIND: Final = np.array([0, 0, 1, 2])
 _SMALLEST: Final = 2.0**-280
 
@@ -103,13 +101,13 @@ class _Settlement:
 
     def solve(self, planes: Planes, doubt: Any) -> None:
         """Writes one pixel of the planes."""
-        x, y, reasons = int(doubt["x"]), int(doubt["y"]), int(doubt["reasons"])
+        x, y = int(doubt["x"]), int(doubt["y"])
         x0, y0 = self._scene.camera.crop[:2]
-        pixel = self._first_hit(x, y, float(doubt["depth"]))
+        if int(doubt["reasons"]) & _DOUBT_HIT:
+            pixel = self._first_hit(x, y, float(doubt["depth"]))
+        else:
+            pixel = self._exact.pixel(x, y, [int(self._visible.quadric[int(doubt["winner"]) >> 2])])
         for channel in self._scene.output.channels:
-            # Where only a depth's rounding was in doubt the normal and position stay what casting makes of its winner.
-            if not reasons & (_DOUBT_HIT | _SETTLES.get(channel, reasons)):
-                continue
             for name, value in self._exact.channel(channel, pixel).items():
                 planes[name][y - y0, x - x0] = value
         if "A" in planes:

@@ -19,11 +19,13 @@ _SIMPLE: Final = 1
 # The records of kernels/records.h, member by member.
 SIMPLE: Final = np.dtype(
     [
-        ("s", "f8", 6), ("b", "f8", 3), ("n", "f8", (3, 3)), ("g", "f8", 3), ("s_norm", "f8", 3), ("b_norm", "f8", 3),
-        ("n_norm", "f8", 3), ("g_norm", "f8"), ("centre", "i4", 2),
+        ("s", "f8", 6), ("b", "f8", 3), ("s_error", "f8"), ("slop", "f8"), ("centre", "i4", 2),
     ],
     align=True,
 )  # fmt: skip
+SIMPLE_NORMAL: Final = np.dtype(
+    [("n", "f8", (3, 3)), ("g", "f8", 3), ("key_error", "f8"), ("n_error", "f8"), ("g_norm", "f8")], align=True
+)
 GENERAL: Final = np.dtype(
     [
         ("s", "f8", 6), ("a", "f8", 6), ("b", "f8", 3), ("c", "f8", 6), ("x", "f8", (3, 3)), ("y", "f8", (3, 3)),
@@ -63,7 +65,7 @@ class Visible:
         box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
         nearest: (m,) float64, lower bounds of the depth, world units, ascending.
         record: (m,) int32, row of `simple`, or ~row of `general`.
-        simple, general: records, of SIMPLE and GENERAL.
+        simple, simple_normals, general: records, of SIMPLE, SIMPLE_NORMAL and GENERAL.
         clips: device array of the clip planes' records.
         unit: power of two near the scene's depth; records hold t / unit.
     """
@@ -73,6 +75,7 @@ class Visible:
     nearest: Floats
     record: NDArray[np.int32]
     simple: NDArray[Any]
+    simple_normals: NDArray[Any]
     general: NDArray[Any]
     clips: "pyopencl.Buffer"
     unit: float
@@ -112,13 +115,16 @@ class Setup:
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
         target = queue.read_only(view.target)
         simple = np.empty(np.count_nonzero(is_simple), dtype=SIMPLE)
+        simple_normals = np.empty(len(simple), dtype=SIMPLE_NORMAL)
         general = np.empty(np.count_nonzero(~is_simple), dtype=GENERAL)
         clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
         orthographic = np.int32(view.orthographic)
         if is_simple.any():
             rows = seen[is_simple]
             queue.run(self._simple, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
-                      centres, rays, np.float64(unit), orthographic, target, queue.in_place(simple))  # fmt: skip
+                      centres, rays, np.float64(unit), orthographic, target, queue.read_only(box),
+                      np.array(camera.crop, dtype=np.int32), queue.in_place(simple),
+                      queue.in_place(simple_normals))  # fmt: skip
         if not is_simple.all():
             rows = seen[~is_simple]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
@@ -130,7 +136,7 @@ class Setup:
         if len(quadrics.clip):
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
                       queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip
-        return Visible(seen, box[seen], nearest[seen], record, simple, general, clips, unit)
+        return Visible(seen, box[seen], nearest[seen], record, simple, simple_normals, general, clips, unit)
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool

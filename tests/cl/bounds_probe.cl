@@ -43,10 +43,10 @@ __kernel void evaluate_simple(__global const int2 *pixel, __global const int *ro
     middle_of(pixel[i], &tile, &x, &y);
     __global const simple_record *r = simple + row[i];
     double du = tile.x - r->centre[0], dv = tile.y - r->centre[1];
-    reals s = at_quadratic(move_quadratic(r->s, du, dv), x, y), b = at_linear(move_linear(r->b, du, dv), x, y);
-    simple_error error = simple_error_of(r, du, dv);
+    reals s = at_quadratic(local_quadratic(r->s, du, dv), x + LOCAL(du), y + LOCAL(dv));
+    reals b = at_linear(local_linear(r->b, du, dv), x + LOCAL(du), y + LOCAL(dv));
     out[ROW * i] = LANE(real, s, 0);
-    out[ROW * i + 1] = error.s;
+    out[ROW * i + 1] = r->s_error;
     out[ROW * i + 2] = LANE(real, b, 0);
-    out[ROW * i + 3] = error.b;
+    out[ROW * i + 3] = r->slop - sqrt(2 * r->s_error);
 }

@@ -30,6 +30,7 @@ HARD = (
     "mix_1", "mix_2", "mix_5", "needle_1_to_1e+09", "pancake_1_to_1e+12", "coincident_parts_pinhole",
     "tangent_ball_exact", "can_of_0.001_at_1e+10", "near_double_plane_pinhole", "clip_far_from_the_origin",
     "planes_crossing_at_a_unit_orthographic", "midpoints_along_a_slope", "units_1e-30_pinhole",
+    "positions_on_midpoints",
 )  # fmt: skip
 
 
@@ -42,7 +43,7 @@ def main() -> None:
         if arguments.lanes:
             patch.setattr(DeviceInfo, "double_lanes", arguments.lanes)
         if arguments.tile:
-            edit_kernels(Path(folder), [("lanes.h", "#define TILE 16", f"#define TILE {arguments.tile}")], patch)
+            edit_kernels(Path(folder), [("records.h", "#define TILE 16", f"#define TILE {arguments.tile}")], patch)
             patch.setattr(conicoid.bins, "TILE", arguments.tile)
         renderer = Renderer()
         json.dump({name: digest(renderer, scene) for name, scene in scenes().items()}, sys.stdout)

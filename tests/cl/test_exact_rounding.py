@@ -112,12 +112,20 @@ def test_distance_halfway_between_two_floats_goes_to_even(nudge: float, expected
     assert hit([plane], {**PINHOLE, "fx": 4}, i=3).t == expected
 
 
-@pytest.mark.parametrize(("nudge", "expected"), [(0, 0.5), (-(2.0**-52), 0.5), (2.0**-52, 0.5 + 2.0**-24)])
-def test_normal_and_position_halfway_between_two_floats_go_to_even(nudge: float, expected: float) -> None:
-    """A unit ball's normal is its position: x is rational, z is not."""
-    camera = {**ORTHOGRAPHIC, "fx": 2, "cx": -(2.0**-24) - 2 * nudge - 0.5}
+@pytest.mark.parametrize(("nudge", "steps"), [(0, 0), (-(2.0**-52), 0), (2.0**-52, 1)])
+@pytest.mark.parametrize(("vector", "step"), [("normal", 2.0**-23), ("position", 2.0**-22)])
+def test_components_halfway_between_two_steps_go_to_even(vector: str, step: float, nudge: float, steps: int) -> None:
+    """A unit ball's normal is its position but for its middle; x is rational, and z, near -3.1, sets the step."""
+    camera = {**ORTHOGRAPHIC, "fx": 2, "cx": -step - 2 * nudge - 0.5}
     pixel = hit([{"shape": "sphere", "center": [0, 0, -4]}], camera)
-    assert pixel.normal[0] == pixel.position[0] == expected
+    assert getattr(pixel, vector)[0] == 0.5 + steps * step
+
+
+def test_small_components_are_as_coarse_as_large_ones() -> None:
+    camera = {**ORTHOGRAPHIC, "cx": 0.5 - 2.0**-30}
+    pixel = hit([{"shape": "sphere", "center": [0, 0, -4]}], camera)
+    assert pixel.normal == (0.0, 0.0, 1.0)
+    assert pixel.position == (0.0, 0.0, -3.0)
 
 
 def test_depths_beyond_binary32_are_hits_all_the_same() -> None:

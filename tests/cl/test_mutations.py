@@ -6,11 +6,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyopencl
 import pytest
 
 from conicoid.engine import Renderer
 from conicoid.errors import DeviceError
+from conicoid.exact import ExactScene
 from conicoid.scene import Channel
 from tests.cl.bounds_probe import BoundsProbe, sample
 from tests.cl.kernel_sources import Edit, edit_kernels
@@ -24,7 +26,7 @@ from tests.scenes.stress_catalogue import STRESS
 SCENES = (
     "cylinder_along_the_view", "flat_cans_bare", "leaning_on_a_midpoint_even", "leaning_on_near_odd",
     "pancake_1_to_1e+06_edge_on", "needle_1_to_1e+06_along_the_view", "balls_a_unit_apart_orthographic",
-    "tangent_ball_pinhole_exact", "midpoints_of_balls", "mix_2",
+    "tangent_ball_pinhole_exact", "midpoints_of_balls", "normals_on_midpoints_+1", "mix_2",
 )  # fmt: skip
 CHANNELS: tuple[tuple[Channel, ...], ...] = (
     ("Z", "T", "ZBack", "N", "P", "id", "A"),
@@ -37,22 +39,21 @@ REASONS = "int reasons = (int)(doubt & 0xff)"
 # Bounds are derived, not tuned: errors that are a sixteenth of what is allowed do occur, but seldom where a pixel
 # hangs by them. So bounds are held against errors.
 BOUNDS: dict[str, list[Edit]] = {
-    "every bound over 16": [("polynomials.h", "#define UNIT_ROUNDOFF 0x1p-53", "#define UNIT_ROUNDOFF 0x1p-57")],
-    "no bounds": [("polynomials.h", "#define UNIT_ROUNDOFF 0x1p-53", "#define UNIT_ROUNDOFF 0x1p-100")],
+    "every bound over 16": [("records.h", "#define UNIT_ROUNDOFF 0x1p-53", "#define UNIT_ROUNDOFF 0x1p-57")],
+    "no bounds": [("records.h", "#define UNIT_ROUNDOFF 0x1p-53", "#define UNIT_ROUNDOFF 0x1p-100")],
     "polynomials' bounds over 16": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (15.0 / 16.0")],
     "no bounds of polynomials": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (0x1p-60")],
 }
-SIMPLE_S = "80.0 * UNIT_ROUNDOFF * s"
+SIMPLE_S = "double4 s_error = 20.0"
 PIXELS: dict[str, list[Edit]] = {
-    "no bound of a simple S": [("certify.h", SIMPLE_S, f"0 * {SIMPLE_S}")],
-    "no clearance of a root": [("candidates.h", "#define CLEAR 64.0", "#define CLEAR 0.0")],
+    "no bound of a simple S": [("setup_simple.cl", SIMPLE_S, "double4 s_error = 0x1p-100")],
+    "no clearance of a simple root": [("simple.h", "8.01 * r->s_error", "0 * r->s_error")],
     "no bounds": BOUNDS["no bounds"],
     "no bounds of polynomials": BOUNDS["no bounds of polynomials"],
     "no doubts": [("certify.h", REASONS, "int reasons = 0 * (int)(doubt & 0xff)")],
     "no doubts of hits": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_HIT")],
     "no doubts of depths": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_VALUE")],
     "no doubts of normals": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_NORMAL")],
-    "no doubts of positions": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_POSITION")],
 }
 
 
@@ -89,6 +90,23 @@ def test_the_kernels_as_they_are_pass(renderer_of: Callable[[Sequence[Edit]], Re
 @pytest.mark.parametrize("fault", PIXELS)
 def test_a_fault_is_seen_in_the_image(fault: str, renderer_of: Callable[[Sequence[Edit]], Renderer]) -> None:
     assert wrong_scenes(renderer_of(PIXELS[fault]))
+
+
+@pytest.mark.parametrize("reasons", [REASONS, f"{REASONS} & ~DOUBT_POSITION"])
+def test_positions_are_exact_by_their_doubts_alone(
+    reasons: str, renderer_of: Callable[[Sequence[Edit]], Renderer]
+) -> None:
+    """Half a step either way is as near, so that no bound tells a tie: only the very values do."""
+    scene = as_scene(STRESS["positions_on_midpoints"].document)
+    scene = replace(scene, output=replace(scene.output, channels=("P",)))
+    planes = renderer_of([("certify.h", REASONS, reasons)]).render(scene).planes
+    exact = ExactScene(scene)
+    wrong = [
+        (x, y)
+        for y, x in np.ndindex(planes["P.X"].shape)
+        if exact.values(x, y, [0], ("P",)) != {name: plane[y, x] for name, plane in planes.items()}
+    ]
+    assert (not wrong) == (reasons == REASONS)
 
 
 @pytest.mark.parametrize("fault", BOUNDS)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from tests.scenes.catalogue import PROJECTIONS, Document
-from tests.scenes.stress import CENTRED, ball, enter, form, orthographic, pinhole, stress, up
+from tests.scenes.stress import CENTRED, ball, enter, form, orthographic, pinhole, posed, stress, up
 
 
 def placed(shape: str, rows: Sequence[Sequence[float]], **keys: object) -> Document:
@@ -118,6 +118,18 @@ def midpoints_of_balls() -> tuple[list[Document], Document]:
     return [ball(x * 0.5, 0, -4 - 2.0**-22, 0.25 - (k - 1) * 2.0**-54) for k, x in enumerate((-2, 0, 2))], orthographic(
         **CENTRED
     )
+
+
+for nudge in (-1, 0, 1):
+    enter(f"normals_on_midpoints_{nudge:+d}",
+          "columns a sixteenth apart: a unit ball's normal lies half a step of 2^-23, and 2^-49, from a multiple",
+          [ball(0, 0, -4, 1)], orthographic(fx=16, fy=10, cx=7.5 - 2.0**-20 - nudge * 2.0**-45))  # fmt: skip
+
+
+@stress
+def positions_on_midpoints() -> tuple[list[Document], Document]:
+    """Heights near 100 have units of 2^-17: the columns' x, thirds of 6 + 3·2^-18, are odd halves of it."""
+    return [{"shape": "plane", "center": [0, 0, -6 - 3 * 2.0**-18]}], pinhole(fx=3, fy=3, **posed(0, 100, 0), **CENTRED)
 
 
 @stress

@@ -130,3 +130,12 @@ def double_root_of_a_product() -> tuple[list[Document], Document]:
     """x² + 2xy + y² as coefficients: a double plane, whose S is 0 everywhere, tilted by 2^-30."""
     tilt = 2.0**-30
     return [form(1, 1, tilt, 0, 1, tilt, 0, tilt * tilt, 0, 0, transform=UPRIGHT)], pinhole(**CENTRED)
+
+
+for thirds in (1, 2, 4, 5):
+    enter(f"rims_of_{thirds}_thirds_before_a_wall",
+          "columns of thirds, where binary64 has none: the rims of a ball and a can miss a column by 2^-54, or not",
+          [ball(0, 0, -4, thirds / 3),
+           {"shape": "cylinder", "radius": thirds / 3, "transform": UPRIGHT, "z_range": [-0.5, 0.5]},
+           {"shape": "plane", "center": [0, 0, -9]}],
+          orthographic(fx=3, fy=3, **CENTRED))  # fmt: skip

@@ -1,27 +1,34 @@
-"""What one hit pixel shows: every channel as the exact value, rounded once to binary32."""
+"""What one hit pixel shows: every channel as the exact value, rounded once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, isfinite
+from math import frexp, inf, isfinite
+from typing import Final
 
 from flint import fmpz
 
 from conicoid.exact.hits import Hit
 from conicoid.exact.quadric import SURFACE, ExactQuadric
 from conicoid.exact.rays import ExactRays
-from conicoid.exact.rounding import distance, nearest_float32
+from conicoid.exact.rounding import distance, nearest_float32, nearest_multiple
 from conicoid.exact.surd import Surd, SurdOverRoot
 
 Vector = tuple[float, float, float]
+
+# As an exponent of two; kernels/certify.h.
+_NORMAL_STEP: Final = -23
+_SMALLEST: Final = 2.0**-100
 
 
 @dataclass(frozen=True)
 class ExactPixel:
     """The winner at one pixel.
 
-    Every number is the exact value rounded to the nearest binary32: ties to even, gradual underflow, overflow to
-    infinity, and never -0. Each is computed when first asked for.
+    Depths are the exact values rounded to the nearest binary32: ties to even, gradual underflow, overflow to infinity.
+    Components of vectors are rounded alike to multiples of one step, ties to even: 2^-23 for normals, and for positions
+    the unit in the last place of the largest component once that is rounded to binary32. Nothing is ever -0, and each
+    is computed when first asked for.
 
     Attributes:
         quadric: index of the winner in the scene.
@@ -60,13 +67,18 @@ class ExactPixel:
     @cached_property
     def position(self) -> Vector:
         """World coordinates of the hit."""
-        x, y, z = map(nearest_float32, self._position)
+        largest = max(abs(nearest_float32(axis)) for axis in self._position)
+        if not _SMALLEST <= largest < inf:
+            x, y, z = map(nearest_float32, self._position)
+        else:
+            step = frexp(largest)[1] - 24
+            x, y, z = (nearest_multiple(axis, step) for axis in self._position)
         return x, y, z
 
     @cached_property
     def normal(self) -> Vector:
         """Unit normal in the output's space and on its side; back along the ray where the gradient vanishes."""
-        x, y, z = map(nearest_float32, self._normal)
+        x, y, z = (nearest_multiple(axis, _NORMAL_STEP) for axis in self._normal)
         return x, y, z
 
     def position_errors(self, position: Sequence[float]) -> list[float]:

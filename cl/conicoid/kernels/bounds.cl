@@ -111,7 +111,8 @@ __kernel void bound_quadrics(int count, __global const double *world_from_object
         interval h, w;
         double blur = 1.0;
         if (orthographic) {
-            double rx = reach(a[0], ellipsoid), ry = reach(a[1], ellipsoid);
+            // A millionth as in ellipsoid_pixels: set-up counts on it.
+            double rx = reach(a[0], ellipsoid) * (1.0 + 1e-6), ry = reach(a[1], ellipsoid) * (1.0 + 1e-6);
             h = (interval){t[0] - rx, t[0] + rx};
             w = (interval){t[1] - ry, t[1] + ry};
         } else {

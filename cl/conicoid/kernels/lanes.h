@@ -62,8 +62,7 @@ typedef JOIN(float, LANES) floats;
 // store_tile reads tiles of binary32 in wider vectors.
 #define ALIGNED __attribute__((aligned(64)))
 
-// A tile, and the cells of LANES pixels it is cast in.
-#define TILE 16
+// The cells of LANES pixels that a tile is cast in.
 #define VECTORS (TILE / LANES)          // per row
 #define CELLS (TILE * VECTORS)          // per tile
 #define MISS ((integer)-1)              // winner of a pixel that nothing hits

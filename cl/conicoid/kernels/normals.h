@@ -3,46 +3,9 @@
 typedef struct {
     reals x, y, z;
 #if EXACT
-    reals error;    // bound of each component's
+    reals error;    // bound of the error's length
 #endif
 } vector3;
-
-typedef struct {
-    linear n[3];
-    real g[3];
-#if EXACT
-    real floor, root, root_error;    // the error of a component: floor + root sqrt(S) + root_error / sqrt(S)
-    simple_error key;
-    real clear_root;                 // a smaller sqrt(S) may be none
-#endif
-} simple_normal;
-
-static inline simple_normal move_simple_normal(__global const simple_record *r, double du, double dv)
-{
-    simple_normal m;
-    for (int j = 0; j < 3; j++) {
-        m.n[j] = move_linear(r->n[j], du, dv);
-        m.g[j] = (real)r->g[j];
-    }
-#if EXACT
-    // 32 roundings from the moments to a component's value.
-    m.key = simple_error_of(r, du, dv);
-    m.clear_root = sqrt(CLEAR * m.key.s);
-    m.floor = 32 * UNIT_ROUNDOFF * norm_at(r->n_norm, du, dv);
-    m.root = 32 * UNIT_ROUNDOFF * r->g_norm;
-    m.root_error = r->g_norm * m.key.s;
-#endif
-    return m;
-}
-
-static inline vector3 simple_normal_at(const simple_normal *m, reals root, reals x, real y)
-{
-    vector3 n;
-    n.x = at_linear(m->n[0], x, y) + m->g[0] * root;
-    n.y = at_linear(m->n[1], x, y) + m->g[1] * root;
-    n.z = at_linear(m->n[2], x, y) + m->g[2] * root;
-    return n;
-}
 
 typedef struct {
     linear x[3], y[3], moment[3];
@@ -181,7 +144,7 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     n.z *= grow;
 #if EXACT
     reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
-    n.error = ((m->floor + m->root * root + m->root_error * root_error) / size + m->rounding) * grow;
+    n.error = ((m->floor + m->root * root + m->root_error * root_error) / size + m->rounding) * grow * 1.7321;
     // A cap's normal is one row of the map, a singular surface has none.
     // One whose components all vanish, or seem to, is in doubt.
     n.error = length > 0 ? n.error : (reals)(1);

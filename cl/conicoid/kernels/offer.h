@@ -1,5 +1,19 @@
 // Keeping the nearest key of every pixel.
 
+// What casting a list needs.
+typedef struct {
+    int u0, v0;             // the tile's first pixel
+    reals ramp;             // lane centres of the tile's first cell, from its middle
+    int orthographic, want_back;
+    int general_count;      // of the tile's candidates so far
+    real near, far;
+    __global const int *record_of, *document_order, *surface_class;
+    __global const simple_record *simple;
+    __global const simple_normal_record *simple_normals;
+    __global const general_record *general;
+    __global const clip_record *clips;
+} lists;
+
 #if EXACT
 // Surfaces of one class are one set of points: where both are hit they tie, whatever rounding says. -1: of its own.
 static inline int same_class(__global const int *surface_class, int first, int second)
@@ -11,46 +25,59 @@ static inline int same_class(__global const int *surface_class, int first, int s
 
 // Where keys tie the earlier quadric of the document wins. In EXACT casting a tie is a difference within the errors of
 // both keys; only surfaces of one class may tie without doubt.
-static mask settle_ties(tile_state *tile, int cell, mask tied, mask better, mask challenger,
-                        __global const int *document_order, __global const int *surface_class)
+__attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, mask tied, mask better, mask challenger,
+                                                  const lists *in)
 {
     for (int lane = 0; lane < LANES; lane++) {
         if (!LANE(integer, tied, lane))
             continue;
         int old = (int)LANE(integer, tile->winner[cell], lane), new = (int)LANE(integer, challenger, lane);
+        if (old == MISS)
+            continue;
 #if EXACT
-        if (!same_class(surface_class, old, new)) {
+        if (!same_class(in->surface_class, old, new)) {
             integer rival = LANE(integer, better, lane) ? old : new;
             integer reasons = LANE(integer, tile->doubt[cell], lane) & 0xff;
             LANE(integer, tile->doubt[cell], lane) = (rival + 1) << 32 | reasons | DOUBT_HIT;
-            LANE(integer, tile->any_doubt, lane) = -1;
             continue;
         }
 #endif
-        LANE(integer, better, lane) = document_order[new >> 2] < document_order[old >> 2] ? -1 : 0;
+        LANE(integer, better, lane) = in->document_order[new >> 2] < in->document_order[old >> 2] ? -1 : 0;
     }
     return better;
 }
 
-// Returns the lanes where the challenger is now the winner.
-static inline mask offer(tile_state *tile, int cell, reals key, reals slop, reals root, mask challenger,
-                         __global const int *document_order, __global const int *surface_class)
+// A key that `slop` more cannot bring here is behind the winner for certain.
+static inline reals bar_of(const tile_state *tile, int cell, reals slop)
+{
+#if EXACT
+    return tile->bar[cell] - slop;
+#else
+    // The slack keeps keys that tie but for rounding.
+    return tile->key[cell] - magnitude(tile->key[cell]) * (real)0x1p-20;
+#endif
+}
+
+// Returns the lanes where the challenger is now the winner. `plausible`: those whose key is no less than bar_of.
+static inline mask offer(tile_state *tile, int cell, mask plausible, reals key, reals slop, reals root, mask challenger,
+                         const lists *in)
 {
     reals best = tile->key[cell];
     mask better = key > best;
 #if EXACT
-    reals margin = slop + tile->slop[cell];
-    mask tied = (key <= best + margin) & (key >= best - margin) & (tile->winner[cell] != MISS);
+    reals bar = tile->bar[cell], low = key - slop;
+    // |key - best| <= slop + (best - bar)
+    mask tied = plausible & (low <= 2 * best - bar);
 #else
-    mask tied = (key == best) & (tile->winner[cell] != MISS);
+    mask tied = plausible & (key == best);
 #endif
     if (some(tied))
-        better = settle_ties(tile, cell, tied, better, challenger, document_order, surface_class);
+        better = settle_ties(tile, cell, tied, better, challenger, in);
     tile->key[cell] = better ? key : best;
     tile->root[cell] = better ? root : tile->root[cell];
     tile->winner[cell] = better ? challenger : tile->winner[cell];
 #if EXACT
-    tile->slop[cell] = better ? slop : tile->slop[cell];
+    tile->bar[cell] = better ? low : bar;
 #endif
     return better;
 }

@@ -14,7 +14,6 @@ typedef struct {
     real u, v, one, error;
 } linear;
 
-#define UNIT_ROUNDOFF 0x1p-53
 #define CHAIN (15.0 * UNIT_ROUNDOFF)
 
 static inline quadratic move_quadratic(__global const double *c, double du, double dv)
@@ -51,6 +50,26 @@ static inline reals at_quadratic(quadratic q, reals x, real y)
 }
 
 static inline reals at_linear(linear l, reals x, real y) { return l.u * x + (l.v * y + l.one); }
+
+// Simple records are evaluated about their own centres in binary64: nothing is rounded by moving them. Binary32 wants the
+// small offsets about the tile's middle, (du, dv) from the centre.
+#if REAL_BITS == 64
+#define LOCAL(offset) (offset)
+
+static inline quadratic local_quadratic(__global const double *c, double du, double dv)
+{
+    return (quadratic){c[0], c[1], c[2], c[3], c[4], c[5]};
+}
+
+static inline linear local_linear(__global const double *c, double du, double dv)
+{
+    return (linear){c[0], c[1], c[2]};
+}
+#else
+#define LOCAL(offset) 0
+#define local_quadratic move_quadratic
+#define local_linear move_linear
+#endif
 
 // Value at the far corner of a linear form of magnitudes.
 static inline double norm_at(__global const double *c, double du, double dv)

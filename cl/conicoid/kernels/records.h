@@ -8,22 +8,29 @@
 #define QUADRATIC 6
 #define LINEAR 3
 
+#define TILE 16                 // pixels of a tile's side
+#define UNIT_ROUNDOFF 0x1p-53
+
 // A closed surface wholly in front of the camera, kept whole: its nearest hit is one formula,
 //     key = b + sqrt(S),  key = 1/t (pinhole), -t (orthographic),
-// with b and S divided by F'DF and (F'DF)^2; the outward normal there is along n + sqrt(S) g.
+// with b and S divided by F'DF and (F'DF)^2. Errors are bounds anywhere in the tiles that its box touches; infinite where
+// nothing is known.
 typedef struct {
     double s[QUADRATIC];
     double b[LINEAR];
-    double n[3][LINEAR];
-    double g[3];
-    // Sums of magnitudes, for error bounds: |terms| of S at (u, v) add up to at most (s_norm . (|u|, |v|, 1))^2, those
-    // of b and of the normal's components to at most b_norm, n_norm . (|u|, |v|, 1), of g's to g_norm.
-    double s_norm[LINEAR];
-    double b_norm[LINEAR];
-    double n_norm[LINEAR];
-    double g_norm;
+    double s_error;             // of S, evaluated
+    double slop;                // of the key, whatever the root
     int centre[2];
 } simple_record;
+
+// Its outward normal, which only winners need: along n + sqrt(S) g.
+typedef struct {
+    double n[3][LINEAR];
+    double g[3];
+    double key_error;           // of the key, but for the root's,
+    double n_error;             // of the vector's length, but for the root's error,
+    double g_norm;              // which counts so many times
+} simple_normal_record;
 
 // Any quadric with any extent.
 typedef struct {

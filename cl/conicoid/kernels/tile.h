@@ -30,10 +30,11 @@ typedef struct {
     reals root[CELLS];      // sqrt(S) of simple winners
     mask winner[CELLS];     // 4 x slot + kind, or MISS
     reals last[CELLS];      // t of the winner's last hit, where ZBack is asked
-#if EXACT
-    reals slop[CELLS];      // bound of the key's error
+    // Bounds of errors, which EXACT casting knows.
+    reals error[CELLS];     // of the winner's key, then of its t
     reals last_error[CELLS];
-    mask any_doubt;         // lanes where some cell has a doubt
+#if EXACT
+    reals bar[CELLS];       // the key less what it may be too large
     mask doubt[CELLS];      // reasons below; in the upper half 1 + (4 x slot + kind) of a hit that ties the winner
 #endif
 } tile_state;
