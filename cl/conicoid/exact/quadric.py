@@ -1,5 +1,6 @@
 """One quadric of a scene in exact arithmetic: its form in the world, and its integers along the rays."""
 
+from functools import cached_property
 from typing import Final
 
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
@@ -7,7 +8,7 @@ from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 from conicoid.exact.forms import ExactForms, RationalPolynomial, cap_conic, discriminant
 from conicoid.exact.polynomial import Linear, Quadratic
 from conicoid.exact.rationals import affine_matrix, exact, exact_matrix, primitive, sign
-from conicoid.exact.rays import ExactRays
+from conicoid.exact.rays import AlongRays, ExactRays
 from conicoid.scene import Quadrics
 from conicoid.shapes import SHAPES
 
@@ -24,30 +25,57 @@ class ExactQuadric:
         range, clips: half-spaces offset + slope t >= 0 that keep points: z0 and z1 in this order, then the clips.
         capped: whether the planes of `range` carry caps.
         gradient: x, y, z of the gradient of f in target space, over one positive denominator.
+
+    What not every pixel asks for is computed when it is first asked for.
     """
 
     def __init__(self, rays: ExactRays, quadrics: Quadrics, index: int) -> None:
-        self._rays = rays
-        object_from_world, scale = affine_matrix(quadrics.world_from_object[index]).inv().numer_denom()
+        self._rays, self._quadrics, self._index = rays, quadrics, index
+        self._object_from_world = affine_matrix(quadrics.world_from_object[index]).inv().numer_denom()
+        object_from_world, scale = self._object_from_world
         object_form, form_scale = _object_form(quadrics, index).numer_denom()
         self._form = object_from_world.transpose() * object_form * object_from_world
         a, b, c = self._polynomials = rays.quadratic(self._form)
         self._scale = form_scale * (scale * rays.scale) ** 2
         whole = primitive([*a.doubled(), *b.doubled(), *c.doubled()])
         self.a, self.b, self.c = Quadratic(*whole[:6]), Linear(*whole[6:9]), Quadratic(*whole[9:])
-        self.gradient = rays.along(rays.target_from_world * self._form)
-
-        # Rows of world coefficients over their denominators: X3 = z/c, and X3 - z0/c, X3 - z1/c with a z_range.
-        radius = exact(float(quadrics.radii[index, 2]))
-        height = fmpq_mat([object_from_world.tolist()[2]]) / (scale * radius)
-        self._height = height.numer_denom()
-        low, high = quadrics.z_range[index].tolist()
-        levels = [exact(low) / radius, exact(high) / radius] if low > float("-inf") else []
-        self._ends = [(height - fmpq_mat([[0, 0, 0, level]])).numer_denom() for level in levels]
-        self.range = [rays.along(end * side)[0] for (end, _), side in zip(self._ends, (1, -1), strict=False)]
         self.capped = bool(quadrics.capped[index])
-        start, stop = quadrics.clip_start[index : index + 2].tolist()
-        self.clips = rays.along(exact_matrix(quadrics.clip[start:stop]).numer_denom()[0])
+
+    @cached_property
+    def gradient(self) -> list[AlongRays]:
+        return self._rays.along(self._rays.target_from_world * self._form)
+
+    @cached_property
+    def range(self) -> list[AlongRays]:
+        return [self._rays.along(end * side)[0] for (end, _), side in zip(self._ends, (1, -1), strict=False)]
+
+    @cached_property
+    def clips(self) -> list[AlongRays]:
+        start, stop = self._quadrics.clip_start[self._index : self._index + 2].tolist()
+        if start == stop:
+            return []
+        return self._rays.along(exact_matrix(self._quadrics.clip[start:stop]).numer_denom()[0])
+
+    # Rows of world coefficients over their denominators: X3 = z/c, and X3 - z0/c, X3 - z1/c with a z_range.
+
+    @cached_property
+    def _height(self) -> tuple[fmpz_mat, fmpz]:
+        return self._over_radius.numer_denom()
+
+    @cached_property
+    def _ends(self) -> list[tuple[fmpz_mat, fmpz]]:
+        low, high = self._quadrics.z_range[self._index].tolist()
+        levels = [exact(low), exact(high)] if low > float("-inf") else []
+        return [(self._over_radius - fmpq_mat([[0, 0, 0, level / self._radius]])).numer_denom() for level in levels]
+
+    @cached_property
+    def _radius(self) -> fmpq:
+        return exact(float(self._quadrics.radii[self._index, 2]))
+
+    @cached_property
+    def _over_radius(self) -> fmpq_mat:
+        object_from_world, scale = self._object_from_world
+        return fmpq_mat([object_from_world.tolist()[2]]) / (scale * self._radius)
 
     def cap_normal(self, kind: int) -> tuple[fmpz, ...]:
         """Outward normal of a cap in target space, not of unit length: -z at z0, +z at z1."""
