@@ -32,4 +32,4 @@ class Conicoid:
 def _picture(frame: Frame) -> Picture:
     # The planes last until the next render only.
     normal = np.stack([frame.planes[f"N.{axis}"] for axis in "XYZ"], axis=-1)
-    return Picture(frame.planes["Z"].copy(), frame.planes["id"].copy(), normal, frame.settled)
+    return Picture(frame.planes["Z"].copy(), frame.planes["id"].copy(), normal, frame.refined, frame.settled)

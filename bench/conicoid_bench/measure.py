@@ -86,11 +86,12 @@ def timed(job: Job) -> tuple[Any, list[float]]:
 
 
 def measured(renderer: Renderer, scene: Scene, exact: Picture) -> dict[str, Any]:
-    """Plain values: milliseconds to prepare and (the median) to render, number of runs, errors, settled pixels."""
+    """Plain values: milliseconds to prepare and (the median) to render, runs, errors, pixels refined and settled."""
     begin = time.perf_counter()
     job = renderer.prepare(scene)
     prepare_ms = 1e3 * (time.perf_counter() - begin)
     result, times = timed(job)
     picture = job.picture(result)
     errors = asdict(compare(picture, exact))
-    return {"prepare_ms": prepare_ms, "ms": median(times), "runs": len(times), **errors, "settled": picture.settled}
+    counts = {"refined": picture.refined, "settled": picture.settled}
+    return {"prepare_ms": prepare_ms, "ms": median(times), "runs": len(times), **errors, **counts}

@@ -18,12 +18,13 @@ class Picture:
         depth: (h, w) float32, planar, inf on a miss.
         id: (h, w) uint32, 0 on a miss.
         normal: (h, w, 3) float32, unit, world, facing the camera; 0 on a miss.
-        settled: pixels that were settled in exact arithmetic on the host.
+        refined, settled: pixels that double-double rounded, and that exact arithmetic settled on the host.
     """
 
     depth: NDArray[np.float32]
     id: NDArray[np.uint32]
     normal: NDArray[np.float32]
+    refined: int = 0
     settled: int = 0
 
 

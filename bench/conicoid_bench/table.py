@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 _HEAD = (
-    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | once, ms | settled |",
+    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | once, ms | escalated |",
     "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
 )
 
@@ -48,9 +48,13 @@ def _row(name: str, row: dict[str, Any], pixels: int) -> str:
         _degrees(row["worst_degrees"]),
         _ms(row["ms"]),
         _ms(row["prepare_ms"]),
-        f"{row['settled']:,}" + (f" ({1e6 * row['settled'] / pixels:.2g} ppm)" if row["settled"] else ""),
+        f"{_share(row['refined'], pixels)}, {_share(row['settled'], pixels)}",
     ]
     return f"| {' | '.join(cells)} |"
+
+
+def _share(count: int, pixels: int) -> str:
+    return f"{count:,}" + (f" ({1e6 * count / pixels:.2g} ppm)" if count else "")
 
 
 def _count(value: float | None) -> str:

@@ -13,6 +13,7 @@ from conicoid.device import describe, find_device
 from conicoid.extent import clear_of_planes
 from conicoid.memory import Queue
 from conicoid.probe import check_arithmetic
+from conicoid.refine import Refinement
 from conicoid.scene import Camera, Output, Precision, Quadrics, Scene
 from conicoid.settle import settle
 from conicoid.setup import Setup
@@ -30,13 +31,15 @@ class Frame:
         window: (x0, y0, x1, y1), half-open, the data window in pixels of the whole image.
         setup_ms: time spent per quadric: bounds, records, bins.
         cast_ms: time spent per pixel.
-        settled: pixels that binary64 could not certify and exact arithmetic decided (`exact` only).
+        refined, settled: pixels that binary64 could not certify, and double-double rounded, or exact arithmetic decided
+            (`exact` only).
     """
 
     planes: dict[str, NDArray[Any]]
     window: tuple[int, int, int, int]
     setup_ms: float
     cast_ms: float
+    refined: int = 0
     settled: int = 0
 
 
@@ -55,6 +58,7 @@ class Renderer:
         check_arithmetic(queue)
         self.device = describe(queue.device)
         self._setup, self._binning, self._caster = Setup(queue), Binning(queue), Caster(queue)
+        self._refinement = Refinement(queue)
         # PoCL compiles a kernel for its launch shape at the first launch: not at the user's.
         for precision in ("exact", "float64", "float32"):
             self.render(_warm_up_scene(precision))
@@ -71,13 +75,16 @@ class Renderer:
         def cast(classes: NDArray[np.int32]) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
             return self._caster.run(scene, view, visible, bins, classes)
 
-        planes, settled = settle(scene, visible, bins, cast)
+        def refine(planes: dict[str, NDArray[Any]], doubts: NDArray[Any]) -> NDArray[np.bool_]:
+            return self._refinement.run(scene, view, visible, planes, doubts)
+
+        planes, refined, settled = settle(scene, visible, bins, cast, refine)
         window = scene.camera.crop
         if scene.output.data_window == "tight":
             planes, window = _tighten(planes, window)
         planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}
         end = time.perf_counter()
-        return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start), settled)
+        return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start), refined, settled)
 
 
 def _warm_up_scene(precision: Precision) -> Scene:

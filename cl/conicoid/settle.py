@@ -1,9 +1,10 @@
 """What binary64 could not certify: surfaces that tie by construction, forms that vanish, and single pixels.
 
-Casting lists the pixels where some decision or rounding is within its error bound. Few pixels are solved one by one in
-exact arithmetic. Many have a common cause, which is settled once: surfaces that are the same set of points get one
-class, so that casting orders them by the document; records of quadrics whose forms vanish, or nearly, are rounded
-from exact rationals, so that zero is zero; then the frame is cast again.
+Casting lists the pixels where some decision or rounding is within its error bound. Where the hit is certain, and only
+a value's rounding is not, double-double rounds it. The few other pixels are solved one by one in exact arithmetic.
+Where many doubt what they hit, they have a common cause, which is settled once: surfaces that are the same set of
+points get one class, so that casting orders them by the document; records of quadrics whose forms vanish, or nearly,
+are rounded from exact rationals, so that zero is zero; then the frame is cast again.
 """
 
 from collections.abc import Callable
@@ -32,12 +33,14 @@ _MOST_AT_ONCE: Final = 4096
 
 Planes = dict[str, NDArray[Any]]
 Cast = Callable[[NDArray[np.int32]], tuple[Planes, NDArray[Any]]]
+Refine = Callable[[Planes, NDArray[Any]], NDArray[np.bool_]]
 
 
-def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Planes, int]:
-    """The exact planes of a frame, and how many of its pixels were solved on the host.
+def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast, refine: Refine) -> tuple[Planes, int, int]:
+    """The exact planes of a frame, and how many of its pixels double-double rounded and the host solved.
 
     `cast` casts the frame given the slots' surface classes (`Caster.run`); `visible.general` is refined in place.
+    `refine` rounds the values of pixels whose hit is certain and tells which it could (`Refinement.run`).
     """
     settlement = _Settlement(scene, visible, bins)
     if scene.output.precision == "exact":
@@ -48,9 +51,11 @@ def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast) -> tuple[Plan
             break
         if step(doubts):
             planes, doubts = cast(settlement.classes)
-    for doubt in doubts:
+    known = (doubts["reasons"] & _DOUBT_HIT) == 0
+    known[known] = refine(planes, doubts[known])
+    for doubt in doubts[~known]:
         settlement.solve(planes, doubt)
-    return planes, len(doubts)
+    return planes, int(np.count_nonzero(known)), int(np.count_nonzero(~known))
 
 
 class _Settlement:

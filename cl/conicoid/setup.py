@@ -39,7 +39,7 @@ GENERAL: Final = np.dtype(
 CLIP_BYTES: Final = 8 * 6
 
 
-def _shape_forms() -> Floats:
+def shape_forms() -> Floats:
     """(14, 10) upper triangles of every shape's form in parameter space, rows as `shapes.SHAPES`."""
     forms = np.zeros((len(SHAPES), 10))
     for shape in SHAPES:
@@ -49,7 +49,7 @@ def _shape_forms() -> Floats:
     return forms
 
 
-def _scaled(matrix: Floats) -> Floats:
+def scaled(matrix: Floats) -> Floats:
     """Each (4, 4) form times the power of two that brings its largest entry into [1/2, 1): the same surface."""
     exponent = np.frexp(np.abs(matrix).max(axis=(1, 2), initial=0))[1]
     scaled: Floats = np.ldexp(matrix, -exponent[:, None, None])
@@ -91,7 +91,7 @@ class Setup:
         self._simple, self._general, self._clips = (
             program.set_up_simple, program.set_up_general, program.set_up_clips
         )  # fmt: skip
-        self._forms = queue.read_only(_shape_forms())
+        self._forms = queue.read_only(shape_forms())
 
     def run(self, quadrics: Quadrics, camera: Camera, view: View, *, want_back: bool) -> Visible:
         """Bounds every quadric, drops what cannot be seen, and sets up the rest.
@@ -129,7 +129,7 @@ class Setup:
             rows = seen[~is_simple]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
                       queue.read_only(quadrics.shape), self._forms, queue.read_only(quadrics.matrix_row),
-                      queue.read_only(_scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
+                      queue.read_only(scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
                       queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
                       queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic, target,
                       queue.in_place(general))  # fmt: skip

@@ -76,6 +76,10 @@ RENDER_DOCS: Final[dict[str, Any]] = {
             "headers": {
                 "ETag": {"description": "strong: names these bytes", "schema": {"type": "string"}},
                 "Server-Timing": _TIMING,
+                "Conicoid-Refined": {
+                    "description": "pixels rounded in double-double",
+                    "schema": {"type": "integer"},
+                },
                 "Conicoid-Settled": {
                     "description": "pixels settled in exact arithmetic on the host",
                     "schema": {"type": "integer"},

@@ -89,13 +89,13 @@ class Pipeline:
         answer = await self._documents.call({"do": "read", "limits": self._limits}, [body])
         return ReadScene(answer.blobs[0], answer.message["scene_hash"], _timings(answer))
 
-    async def render(self, read: ReadScene) -> tuple[Blob, Timings, int]:
-        """The EXR image of a scene, and how many pixels were settled on the host.
+    async def render(self, read: ReadScene) -> tuple[Blob, Timings, dict[str, int]]:
+        """The EXR image of a scene, and how many pixels were `refined` in double-double and `settled` on the host.
 
         Takes the scene over; the caller closes the image.
         """
         answer = await self._renders.call({"scene_hash": read.scene_hash}, [read.scene])
-        return answer.blobs[0], _timings(answer), answer.message["settled"]
+        return answer.blobs[0], _timings(answer), {key: answer.message[key] for key in ("refined", "settled")}
 
 
 def _timings(answer: Answer) -> Timings:

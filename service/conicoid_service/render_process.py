@@ -38,7 +38,7 @@ def start(configuration: Message) -> tuple[Handler, Message]:
         exr.write(image.file, frame, scene, message["scene_hash"])
         encode_ms = (time.perf_counter() - started) * 1e3
         timings = {"setup": frame.setup_ms, "cast": frame.cast_ms, "encode": encode_ms}
-        return {"timings_ms": timings, "settled": frame.settled}, [image]
+        return {"timings_ms": timings, "refined": frame.refined, "settled": frame.settled}, [image]
 
     return render, {"device": renderer.device.as_dict(), "threads": threads}
 

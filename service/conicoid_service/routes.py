@@ -26,7 +26,8 @@ async def render(request: Request) -> Response:
 
     The strong `ETag` names the image's bytes: a request that has it in `If-None-Match` is answered 304, unrendered.
     `Server-Timing` gives milliseconds: queue, parse (body to arrays), setup (per quadric), cast (per pixel), encode.
-    `Conicoid-Settled` counts the pixels that binary64 could not certify and exact arithmetic settled on the host.
+    Of the pixels that binary64 could not certify, `Conicoid-Refined` counts those that double-double rounded,
+    `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
     settings, pipeline = _parts(request)
     body = await receive_json(request, settings.body_limit)
@@ -39,11 +40,12 @@ async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> 
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
         if matches(if_none_match, tag):
             return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(read.timings)})
-        image, timings, settled = await pipeline.render(read)
+        image, timings, escalated = await pipeline.render(read)
     headers = {
         "ETag": tag,
         "Server-Timing": server_timing(read.timings, timings),
-        "Conicoid-Settled": str(settled),
+        "Conicoid-Refined": str(escalated["refined"]),
+        "Conicoid-Settled": str(escalated["settled"]),
         "Content-Disposition": f'attachment; filename="conicoid-{read.scene_hash[:12]}.exr"',
     }
     return BlobResponse(image, headers, EXR_TYPE)

@@ -26,7 +26,7 @@ from tests.scenes.stress_catalogue import STRESS
 SCENES = (
     "cylinder_along_the_view", "flat_cans_bare", "leaning_on_a_midpoint_even", "leaning_on_near_odd",
     "pancake_1_to_1e+06_edge_on", "needle_1_to_1e+06_along_the_view", "balls_a_unit_apart_orthographic",
-    "tangent_ball_pinhole_exact", "midpoints_of_balls", "normals_on_midpoints_+1", "mix_2",
+    "tangent_ball_pinhole_exact", "midpoints_of_balls", "normals_on_midpoints_above", "mix_2",
 )  # fmt: skip
 CHANNELS: tuple[tuple[Channel, ...], ...] = (
     ("Z", "T", "ZBack", "N", "P", "id", "A"),
@@ -55,6 +55,13 @@ PIXELS: dict[str, list[Edit]] = {
     "no doubts of depths": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_VALUE")],
     "no doubts of normals": [("certify.h", REASONS, f"{REASONS} & ~DOUBT_NORMAL")],
 }
+
+
+VALUES: tuple[tuple[str, Channel, list[Edit]], ...] = (
+    ("positions_on_midpoints", "P", [("certify.h", REASONS, f"{REASONS} & ~DOUBT_POSITION")]),
+    ("normals_on_midpoints_a_hair_above", "N",
+     [("refine.cl", "fabs((hi - nearest) + lo) + error", "fabs(hi - nearest) - 0x1p-50")]),
+)  # fmt: skip
 
 
 @cache
@@ -92,21 +99,22 @@ def test_a_fault_is_seen_in_the_image(fault: str, renderer_of: Callable[[Sequenc
     assert wrong_scenes(renderer_of(PIXELS[fault]))
 
 
-@pytest.mark.parametrize("reasons", [REASONS, f"{REASONS} & ~DOUBT_POSITION"])
-def test_positions_are_exact_by_their_doubts_alone(
-    reasons: str, renderer_of: Callable[[Sequence[Edit]], Renderer]
+@pytest.mark.parametrize("sound", [True, False])
+@pytest.mark.parametrize(("name", "channel", "fault"), VALUES)
+def test_a_fault_is_seen_beside_the_exact_values(
+    name: str, channel: Channel, fault: list[Edit], *, sound: bool, renderer_of: Callable[[Sequence[Edit]], Renderer]
 ) -> None:
     """Half a step either way is as near, so that no bound tells a tie: only the very values do."""
-    scene = as_scene(STRESS["positions_on_midpoints"].document)
-    scene = replace(scene, output=replace(scene.output, channels=("P",)))
-    planes = renderer_of([("certify.h", REASONS, reasons)]).render(scene).planes
+    scene = as_scene(STRESS[name].document)
+    scene = replace(scene, output=replace(scene.output, channels=(channel,)))
+    planes = renderer_of([] if sound else fault).render(scene).planes
     exact = ExactScene(scene)
     wrong = [
         (x, y)
-        for y, x in np.ndindex(planes["P.X"].shape)
-        if exact.values(x, y, [0], ("P",)) != {name: plane[y, x] for name, plane in planes.items()}
+        for y, x in np.ndindex(planes[f"{channel}.X"].shape)
+        if exact.values(x, y, [0], (channel,)) != {name: plane[y, x] for name, plane in planes.items()}
     ]
-    assert (not wrong) == (reasons == REASONS)
+    assert (not wrong) == sound
 
 
 @pytest.mark.parametrize("fault", BOUNDS)

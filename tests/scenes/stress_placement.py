@@ -120,10 +120,10 @@ def midpoints_of_balls() -> tuple[list[Document], Document]:
     )
 
 
-for nudge in (-1, 0, 1):
-    enter(f"normals_on_midpoints_{nudge:+d}",
-          "columns a sixteenth apart: a unit ball's normal lies half a step of 2^-23, and 2^-49, from a multiple",
-          [ball(0, 0, -4, 1)], orthographic(fx=16, fy=10, cx=7.5 - 2.0**-20 - nudge * 2.0**-45))  # fmt: skip
+for name, nudge in (("", 0.0), ("_above", 2.0**-49), ("_below", -(2.0**-49)), ("_a_hair_above", 2.0**-54)):
+    enter(f"normals_on_midpoints{name}",
+          f"columns a sixteenth apart: a unit ball's normal lies half a step of 2^-23, and {nudge}, from a multiple",
+          [ball(0, 0, -4, 1)], orthographic(fx=16, fy=10, cx=7.5 - 2.0**-20 - 16 * nudge))  # fmt: skip
 
 
 @stress

@@ -36,7 +36,7 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
         case ["defect"]:
             raise ZeroDivisionError("a secret of the server's")
     image = Blob.of(exr.encode(frame(scene), scene, message["scene_hash"]))
-    return {"timings_ms": {"setup": 1.0, "cast": 2.0, "encode": 3.0}, "settled": 4}, [image]
+    return {"timings_ms": {"setup": 1.0, "cast": 2.0, "encode": 3.0}, "refined": 7, "settled": 4}, [image]
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ async def test_a_render_is_an_exr_image_with_its_tag_name_and_timing(client: htt
     assert int(response.headers["content-length"]) == len(response.content)
     assert response.headers["etag"].startswith('"')
     assert response.headers["content-disposition"].endswith('.exr"')
-    assert response.headers["conicoid-settled"] == "4"  # the fake's own
+    assert (response.headers["conicoid-refined"], response.headers["conicoid-settled"]) == ("7", "4")  # the fake's own
     stages = dict(stage.split(";dur=") for stage in response.headers["server-timing"].split(", "))
     assert list(stages) == ["queue", "parse", "setup", "cast", "encode"]
     assert all(float(duration_ms) >= 0 for duration_ms in stages.values())

@@ -22,9 +22,7 @@ class ExactQuadric:
 
     Attributes:
         a, b, c: of f = a t^2 + 2b t + c, over one positive denominator, in doubled pixel coordinates.
-        range, clips: half-spaces offset + slope t >= 0 that keep points: z0 and z1 in this order, then the clips.
         capped: whether the planes of `range` carry caps.
-        gradient: x, y, z of the gradient of f in target space, over one positive denominator.
 
     What not every pixel asks for is computed when it is first asked for.
     """
@@ -43,14 +41,17 @@ class ExactQuadric:
 
     @cached_property
     def gradient(self) -> list[AlongRays]:
+        """x, y, z of the gradient of f in target space, over one positive denominator."""
         return self._rays.along(self._rays.target_from_world * self._form)
 
     @cached_property
     def range(self) -> list[AlongRays]:
+        """Half-spaces offset + slope t >= 0 that keep points: z0 and z1 in this order; none without a z_range."""
         return [self._rays.along(end * side)[0] for (end, _), side in zip(self._ends, (1, -1), strict=False)]
 
     @cached_property
     def clips(self) -> list[AlongRays]:
+        """Half-spaces that keep points, as `range`."""
         start, stop = self._quadrics.clip_start[self._index : self._index + 2].tolist()
         if start == stop:
             return []

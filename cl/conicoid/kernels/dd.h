@@ -78,6 +78,15 @@ static inline dd dd_div(dd a, dd b)
     return dd_add(quick_two_sum(q, q2), dd_from(q3));
 }
 
+// Within 25/8 u^2 (Lefevre, Louvet, Muller, Picot, Rideau, "Accurate calculation of Euclidean norms using double-word
+// arithmetic", ACM TOMS 49(1), 2023).
+static inline dd dd_sqrt(dd a)
+{
+    double4 root = sqrt(a.hi);
+    double4 rest = fma(-root, root, a.hi) + a.lo;
+    return quick_two_sum(root, rest / (2.0 * root));
+}
+
 static inline dd dd_dot3(const dd *a, const dd *b)
 {
     return dd_add(dd_add(dd_mul(a[0], b[0]), dd_mul(a[1], b[1])), dd_mul(a[2], b[2]));

@@ -13,7 +13,6 @@ typedef struct {
     double4 map_unit;   // brings the map's largest entry near 1
     // Sizes before any cancellation: every double-double above is within 2^-98 kappa times its size of exact.
     double4 kappa, map_norm, fixed_norm, moving_norm[3];
-    int4 centre_u, centre_v;
 } family;
 
 typedef struct {
@@ -38,10 +37,11 @@ static inline double power_of_two_near_inverse(double x)
 }
 
 // diag(1/radii) M^-1 as adj(M) / (det(M) radii), and the rays through it.
-static void family_of(const int *quadric, __global const double *world_from_object, __global const double *radii,
-                      __global const int2 *middle, __global const double *rays, double unit, int orthographic, family *out)
+static void family_of(const int *quadric, const int2 *centre, __global const double *world_from_object,
+                      __global const double *radii, __global const double *rays, double unit, int orthographic,
+                      family *out)
 {
-    double4 m[3][4], r[3], shrink;
+    double4 m[3][4], r[3], shrink, u, v;
     for (int lane = 0; lane < 4; lane++) {
         int q = quadric[lane];
         double largest = 0.0;
@@ -52,8 +52,8 @@ static void family_of(const int *quadric, __global const double *world_from_obje
         AT(shrink, lane) = power_of_two_near_inverse(largest);
         for (int k = 0; k < 3; k++)
             AT(r[k], lane) = radii[3 * q + k];
-        ((__private int *)&out->centre_u)[lane] = middle[q].x;
-        ((__private int *)&out->centre_v)[lane] = middle[q].y;
+        AT(u, lane) = centre[lane].x;
+        AT(v, lane) = centre[lane].y;
     }
     // The world in a unit near the placement's own: nothing in parameter space changes, and determinants stay in range.
     for (int i = 0; i < 3; i++)
@@ -94,7 +94,6 @@ static void family_of(const int *quadric, __global const double *world_from_obje
     out->kappa = 8.0 * spread * sqrt(spread) / fabs(determinant.hi);
     out->map_norm = sqrt(rows) / out->map_unit;
 
-    double4 u = convert_double4(out->centre_u), v = convert_double4(out->centre_v);
     dd point[3], direction[3];
     for (int k = 0; k < 3; k++) {
         point[k] = dd_sub(ray_part(rays, 0, k), dd_from(m[k][3]));
@@ -174,8 +173,18 @@ static void add_product(quadratic_form *sum, dd weight, const linear_form *p, co
     sum->c[5] = dd_add(sum->c[5], dd_mul(w[2], q->c[2]));
 }
 
-static void quads_of(__global const int *list, int count, int first, int *quadric)
+// The quadrics of a work-item's lanes and their centres; the last one stands in for those beyond the end.
+static void quads_of(__global const int *list, __global const int2 *middle, int count, int first, int *quadric, int2 *centre)
 {
-    for (int lane = 0; lane < 4; lane++)
+    for (int lane = 0; lane < 4; lane++) {
         quadric[lane] = list[min(first + lane, count - 1)];
+        centre[lane] = middle[quadric[lane]];
+    }
+}
+
+// Place of entry (i, j) in the ten of a symmetric 4x4 form.
+static int upper(int i, int j)
+{
+    const int start[4] = {0, 4, 7, 9};
+    return i <= j ? start[i] + j - i : start[j] + i - j;
 }

@@ -6,12 +6,6 @@ static inline void store(__global double *out, const dd *values, int count, int 
         out[k] = ((__private const double *)&values[k].hi)[lane];
 }
 
-static int upper(int i, int j)
-{
-    const int start[4] = {0, 4, 7, 9};
-    return i <= j ? start[i] + j - i : start[j] + i - j;
-}
-
 static inline int nonzero(dd x) { return any(x.hi != (double4)(0.0)); }
 
 // Every other quadric: S = -L' C2(D) L with D's second compound matrix (Cauchy-Binet), so that S is exactly zero for
@@ -28,9 +22,10 @@ void set_up_general(int count, __global const int *list, __global const double *
     if (first >= count)
         return;
     int quadric[4];
-    quads_of(list, count, first, quadric);
+    int2 centre[4];
+    quads_of(list, middle, count, first, quadric, centre);
     family f;
-    family_of(quadric, world_from_object, radii, middle, rays, unit, orthographic, &f);
+    family_of(quadric, centre, world_from_object, radii, rays, unit, orthographic, &f);
 
     dd form[10];
     for (int lane = 0; lane < 4; lane++) {
@@ -169,8 +164,8 @@ void set_up_general(int count, __global const int *list, __global const double *
         }
         r->spatial_sum = AT(spatial_sum, lane);
         r->compound_sum = AT(compound_sum, lane);
-        r->centre[0] = middle[q].x;
-        r->centre[1] = middle[q].y;
+        r->centre[0] = centre[lane].x;
+        r->centre[1] = centre[lane].y;
         r->flags = form_flags[q] | (isfinite(z_range[2 * q]) ? HAS_RANGE : 0) | (capped[q] ? HAS_CAPS : 0) |
                    (z_range[2 * q] == z_range[2 * q + 1] ? FLAT : 0) | (orthographic ? ORTHOGRAPHIC : 0);
         r->clip_start = clip_start[q];

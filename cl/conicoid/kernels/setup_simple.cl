@@ -12,9 +12,10 @@ void set_up_simple(int count, __global const int *list, __global const double *w
     if (first >= count)
         return;
     int quadric[4];
-    quads_of(list, count, first, quadric);
+    int2 centre[4];
+    quads_of(list, middle, count, first, quadric, centre);
     family f;
-    family_of(quadric, world_from_object, radii, middle, rays, unit, orthographic, &f);
+    family_of(quadric, centre, world_from_object, radii, rays, unit, orthographic, &f);
 
     dd norm = dd_sub(dd_dot3(f.fixed, f.fixed), dd_mul(f.fixed[3], f.fixed[3]));
     double4 ff = norm.hi;
@@ -70,7 +71,7 @@ void set_up_simple(int count, __global const int *list, __global const double *w
     int whole[4];
     for (int lane = 0; lane < 4; lane++) {
         int4 b = box[quadric[lane]];
-        int2 c = middle[quadric[lane]];
+        int2 c = centre[lane];
         whole[lane] = b.x > crop.x && b.y > crop.y && b.z < crop.z && b.w < crop.w && max(b.z - b.x, b.w - b.y) < 4 * TILE;
         int margin = whole[lane] ? 0 : TILE;
         AT(reach[0], lane) = max(abs(b.x - c.x), abs(b.z - c.x)) + margin;
@@ -132,8 +133,8 @@ void set_up_simple(int count, __global const int *list, __global const double *w
             r->b[k] = AT(b[k], lane);
         r->s_error = in_range ? AT(s_error, lane) : INFINITY;
         r->slop = AT(key_error, lane) + sqrt(2.0 * r->s_error) * (1.0 + 4.0 * UNIT_ROUNDOFF);
-        r->centre[0] = middle[quadric[lane]].x;
-        r->centre[1] = middle[quadric[lane]].y;
+        r->centre[0] = centre[lane].x;
+        r->centre[1] = centre[lane].y;
         for (int j = 0; j < 3; j++) {
             for (int k = 0; k < LINEAR; k++)
                 m->n[j][k] = scale * (target[j] * AT(n[0][k], lane) + target[3 + j] * AT(n[1][k], lane) + target[6 + j] * AT(n[2][k], lane));
