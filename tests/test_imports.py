@@ -19,7 +19,8 @@ SOURCES = {
 }
 ENGINE_THIRD_PARTY = {"numpy", "pyopencl", "flint", "orjson"}
 DEVICE_SIDE = {
-    f"conicoid.{name}" for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "settle", "setup")
+    f"conicoid.{name}"
+    for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "refine", "settle", "setup")
 }
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 _HEAD = (
-    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | once, ms | escalated |",
+    "| renderer | wrong hits | wrong ids | depth, worst ulp | median ulp | normal, worst ° | ms | once | escalated |",
     "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
 )
 

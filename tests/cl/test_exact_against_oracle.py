@@ -4,6 +4,7 @@ Of each scene: the pixels nearest to a change of winner, and a sample of the oth
 """
 
 from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ import pytest
 from conicoid.exact import ExactScene
 from tests.cl.exact_pixels import values
 from tests.oracle import Truth
-from tests.oracle.judge import float32_steps
+from tests.oracle.judge import normal_error, position_error
+from tests.oracle.promise import NORMAL_ERROR, POSITION_UNITS
 from tests.scenes import CATALOGUE, as_scene
 
 HARDEST = 12
@@ -39,9 +41,9 @@ def test_winners_and_every_value_agree(name: str, exact_image: Callable[[str], T
             "ZBack": truth.back[row, column],
         }
         assert {key: got[key] for key in expected} == expected, (i, j)
-        # The oracle's binary64 vectors are rounded once already: a second rounding may differ by one unit.
-        for key, exact_vector in (("N", truth.normal), ("P", truth.position)):
-            vector = np.array([got[f"{key}.{axis}"] for axis in "XYZ"], dtype=np.float32)
-            with np.errstate(over="ignore"):
-                steps = float32_steps(vector, exact_vector[row, column].astype(np.float32))
-            assert np.all(steps <= 1), (key, i, j)
+        # The oracle's binary64 vectors are rounded once already.
+        one = (slice(row, row + 1), slice(column, column + 1))
+        vectors = {key: np.full((1, 1), value, np.float32) for key, value in got.items() if key[1:2] == "."}
+        answer = Truth(*(getattr(truth, field.name)[one] for field in fields(Truth)))
+        assert normal_error(vectors, answer) <= NORMAL_ERROR, (i, j)
+        assert position_error(vectors, answer) <= POSITION_UNITS, (i, j)
