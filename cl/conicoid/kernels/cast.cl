@@ -28,6 +28,9 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
     }
     tile_state tile;
     real empty = f->orthographic ? -INFINITY : 0;
+#if EXACT
+    tile.doubtful = 0;
+#endif
     for (int cell = 0; cell < CELLS; cell++) {
         tile.key[cell] = (reals)(empty);
         tile.winner[cell] = (mask)(MISS);
@@ -72,6 +75,7 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
         finish_winners(f, &w, &tile, &in, planes);
     store_depth_channels(f, &w, &tile, in.ramp, id, planes, ids);
 #if EXACT
-    list_doubts(f, &w, &tile, doubt_count, doubts);
+    if (tile.doubtful)
+        list_doubts(f, &w, &tile, doubt_count, doubts);
 #endif
 }

@@ -23,8 +23,10 @@ static inline reals nearest_multiple(reals x, reals step)
 static inline void note_doubt(tile_state *tile, int cell, mask lanes, int reason)
 {
     // Seldom: nothing waits for memory.
-    if (some(lanes))
+    if (some(lanes)) {
         tile->doubt[cell] |= lanes & reason;
+        tile->doubtful = 1;
+    }
 }
 
 static void list_doubts(__global const frame *f, const window *w, const tile_state *tile, __global int *count,

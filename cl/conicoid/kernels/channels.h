@@ -42,7 +42,7 @@ static void store_positions(__global const frame *f, const window *w, tile_state
             p[j] = rounded;
         }
         if (open && winner[pixel] != MISS)
-            ((__private integer *)tile->doubt)[pixel] |= DOUBT_POSITION;
+            ((__private integer *)tile->doubt)[pixel] |= DOUBT_POSITION, tile->doubtful = 1;
 #endif
         for (int j = 0; j < 3; j++)
             out[j][pixel] = winner[pixel] != MISS ? (float)p[j] + 0.0f : 0.0f;

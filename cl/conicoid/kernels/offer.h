@@ -39,6 +39,7 @@ __attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, ma
             integer rival = LANE(integer, better, lane) ? old : new;
             integer reasons = LANE(integer, tile->doubt[cell], lane) & 0xff;
             LANE(integer, tile->doubt[cell], lane) = (rival + 1) << 32 | reasons | DOUBT_HIT;
+            tile->doubtful = 1;
             continue;
         }
 #endif

@@ -35,6 +35,7 @@ typedef struct {
     reals last_error[CELLS];
 #if EXACT
     reals bar[CELLS];       // the key less what it may be too large
+    int doubtful;           // whether any cell has a doubt
     mask doubt[CELLS];      // reasons below; in the upper half 1 + (4 x slot + kind) of a hit that ties the winner
 #endif
 } tile_state;

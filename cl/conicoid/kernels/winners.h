@@ -78,12 +78,15 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
 #if EXACT
             tile->error[cell] = mine ? tile->key[cell] - tile->bar[cell] : tile->error[cell];
 #endif
-            if (f->channels & WANT_N)
-                gradient[cell] = choose(mine,
-                                        general_normal_at(&g, &gn, tile->winner[cell] & 3, f->outward,
-                                                          in->ramp + (real)(cell % VECTORS * LANES),
-                                                          cell / VECTORS + (real)0.5 - TILE / 2),
-                                        gradient[cell]);
+            if (!(f->channels & WANT_N))
+                continue;
+            reals x = in->ramp + (real)(cell % VECTORS * LANES);
+            real y = cell / VECTORS + (real)0.5 - TILE / 2;
+            vector3 n = general_normal_at(&g, &gn, tile->winner[cell] & 3, f->outward, x, y);
+            mask vanishes = mine & ~(magnitude(n.x) + magnitude(n.y) + magnitude(n.z) > 0);
+            if (some(vanishes))
+                n = choose(vanishes, towards_eye(f, x + (real)middle_u, y + (real)middle_v, n), n);
+            gradient[cell] = choose(mine, n, gradient[cell]);
         }
     }
 }
@@ -172,11 +175,8 @@ static void finish_winners(__global const frame *f, const window *w, tile_state 
     for (int cell = 0; cell < CELLS; cell++) {
         reals u = in->ramp + (real)(cell % VECTORS * LANES + in->u0 + TILE / 2);
         real v = cell / VECTORS + in->v0 + (real)0.5;
-        vector3 n = simple_gradients(tile, in, cell, u, v, want_normals, gradient[cell]);
-        if (!want_normals)
-            continue;
-        mask vanishes = (tile->winner[cell] != MISS) & ~(magnitude(n.x) + magnitude(n.y) + magnitude(n.z) > 0);
-        gradient[cell] = some(vanishes) ? choose(vanishes, towards_eye(f, u, v, n), n) : n;
+        vector3 none = {(reals)(0), (reals)(0), (reals)(0)};
+        gradient[cell] = simple_gradients(tile, in, cell, u, v, want_normals, in->general_count > 0 ? gradient[cell] : none);
     }
     if (want_normals)
         store_normals(f, w, tile, gradient, planes);
