@@ -18,6 +18,8 @@ ALWAYS_REAL: Final = 4
 SINGULAR: Final = 8
 
 _CODE: Final = {shape.name: shape.code for shape in SHAPES}
+# Shapes that are bounded as a whole, by code.
+_CLOSED: Final = np.array([shape.name in {"sphere", "ellipsoid"} for shape in SHAPES])
 # Widens every computed size: a box may be too large by this, never too small.
 _SLACK: Final = 1 + 2.0**-40
 
@@ -43,30 +45,46 @@ class Extent:
 def extent_of(quadrics: Quadrics) -> Extent:
     """Bounds every quadric by its shape, radii and z_range; clips are ignored, which is conservative."""
     count = len(quadrics)
-    shape, radii = quadrics.shape, quadrics.radii
-    low, high = quadrics.z_range[:, 0].copy(), quadrics.z_range[:, 1].copy()
-    ranged = np.isfinite(low)
-    closed = np.isin(shape, [_CODE["sphere"], _CODE["ellipsoid"]])
-    centre = np.zeros((count, 3))
-    half = np.full((count, 3), np.inf)
-    flags = np.where(np.isin(shape, [_CODE[name] for name in ("plane", "parallel_planes", "crossed_planes")]),
-                     ALWAYS_REAL, 0).astype(np.int32)  # fmt: skip
+    whole = _CLOSED[quadrics.shape]
+    ranged = np.isfinite(quadrics.z_range[:, 0])
+    if ranged.any():
+        whole &= ~ranged
+    centre, half = np.zeros((count, 3)), quadrics.radii * _SLACK
+    kind, flags = np.full(count, ELLIPSOID, dtype=np.uint8), np.zeros(count, dtype=np.int32)
+    rest = np.flatnonzero(~whole)
+    if len(rest):
+        kind[rest], centre[rest], half[rest], flags[rest] = _bounded(quadrics, rest)
+    if len(quadrics.clip):
+        whole &= np.diff(quadrics.clip_start) == 0
+    return Extent(kind, centre, half, flags, whole)
 
+
+def _bounded(
+    quadrics: Quadrics, rows: NDArray[np.intp]
+) -> tuple[NDArray[np.uint8], Floats, Floats, NDArray[np.int32]]:
+    """Kind, centre, half size and flags of some quadrics that are not whole ellipsoids."""
+    shape, radii = quadrics.shape[rows], quadrics.radii[rows]
+    low, high = quadrics.z_range[rows].T.copy()
+    ranged = np.isfinite(low)
+    centre, half = np.zeros((len(rows), 3)), np.full((len(rows), 3), np.inf)
+    closed = _CLOSED[shape]
     half[closed] = radii[closed]
     with np.errstate(over="ignore", invalid="ignore"):
         tallest = np.maximum(np.abs(low), np.abs(high))
         height = tallest / radii[:, 2]
         for name, widening in (
-            ("cylinder", np.ones(count)),
+            ("cylinder", np.ones(len(rows))),
             ("cone", tallest),
             ("paraboloid", np.sqrt(np.maximum(high, 0))),
             ("hyperboloid_one_sheet", np.sqrt(1 + height * height)),
             ("hyperboloid_two_sheets", np.sqrt(np.maximum(height * height - 1, 0))),
         ):
-            rows = ranged & (shape == _CODE[name])
-            half[rows, :2] = radii[rows, :2] * widening[rows, None]
+            chosen = ranged & (shape == _CODE[name])
+            half[chosen, :2] = radii[chosen, :2] * widening[chosen, None]
+    flags = np.where(np.isin(shape, [_CODE[name] for name in ("plane", "parallel_planes", "crossed_planes")]),
+                     ALWAYS_REAL, 0).astype(np.int32)  # fmt: skip
     for row in np.flatnonzero(shape == _CODE["quadric"]):
-        matrix = quadrics.matrix[quadrics.matrix_row[row]]
+        matrix = quadrics.matrix[quadrics.matrix_row[rows[row]]]
         centre[row], half[row] = _definite_box(matrix)
         flags[row] = _form_flags(matrix)
     low[~ranged] = (centre - half)[~ranged, 2]
@@ -78,11 +96,9 @@ def extent_of(quadrics: Quadrics) -> Extent:
         half[:, 2] = np.where(np.isfinite(half[:, 2]) | ranged, np.maximum(high / 2 - low / 2, 0), np.inf)
         half *= _SLACK
     bounded = np.isfinite(half).all(axis=1) & np.isfinite(centre).all(axis=1)
-    whole = closed & ~ranged & (np.diff(quadrics.clip_start) == 0)
-    kind = np.where(bounded, np.where(closed & ~ranged, ELLIPSOID, BOX), UNBOUNDED).astype(np.uint8)
     centre[~bounded] = 0
     half[~bounded] = 0
-    return Extent(kind, centre, half, flags, whole & bounded)
+    return np.where(bounded, BOX, UNBOUNDED).astype(np.uint8), centre, half, flags
 
 
 def clear_of_planes(quadrics: Quadrics) -> Floats:
@@ -91,6 +107,8 @@ def clear_of_planes(quadrics: Quadrics) -> Floats:
     `plane` is z = 0 and `parallel_planes` z = -c and c, so whether a sheet is kept is known here; a range that ends on
     one would leave every pixel of it to exact arithmetic. Caps need the ends as they are.
     """
+    if not np.isin(quadrics.shape, [_CODE["plane"], _CODE["parallel_planes"]]).any():
+        return quadrics.z_range
     z_range = quadrics.z_range.copy()
     ranged = np.isfinite(z_range[:, 0]) & ~quadrics.capped
     for name, has_sheets in (("plane", False), ("parallel_planes", True)):

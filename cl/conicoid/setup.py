@@ -37,6 +37,7 @@ GENERAL: Final = np.dtype(
     align=True,
 )  # fmt: skip
 CLIP_BYTES: Final = 8 * 6
+_STEPS: Final = 65535.0
 
 
 def shape_forms() -> Floats:
@@ -56,6 +57,26 @@ def scaled(matrix: Floats) -> Floats:
     return scaled
 
 
+def _in_depth_order(seen: NDArray[np.int32], nearest: Floats) -> NDArray[np.int32]:
+    """Quadrics by the lower bounds of their depth, in the document's order where these are as good as equal."""
+    depth = nearest[seen]
+    if not len(seen):
+        return seen
+    low, high = float(depth.min()), float(depth.max())
+    with np.errstate(invalid="ignore", over="ignore"):
+        # Sixteen bits are enough for casting to stop in time, and numpy sorts them by radix.
+        place = (depth - low) * (_STEPS / (high - low)) if high > low else np.zeros(len(seen))
+    ordered: NDArray[np.int32] = seen[np.argsort(place.astype(np.uint16), kind="stable")]
+    return ordered
+
+
+def _unit(depth: Floats) -> float:
+    """A power of two near the depths' median, by a sample."""
+    sample = depth[:: max(1, len(depth) // 1024)]
+    sample = sample[sample > 0]
+    return 2.0 ** float(np.clip(np.frexp(np.median(sample))[1], -900, 900)) if len(sample) else 1.0
+
+
 @dataclass(frozen=True)
 class Visible:
     """The quadrics a frame can see, in depth order ("slots"), and their records on the device.
@@ -63,7 +84,7 @@ class Visible:
     Attributes:
         quadric: (m,) int32, index in the document of each slot.
         box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
-        nearest: (m,) float64, lower bounds of the depth, world units, ascending.
+        nearest: (m,) float64, lower bounds of the depth of each slot and all behind it, world units, ascending.
         record: (m,) int32, row of `simple`, or ~row of `general`.
         simple, simple_normals, general: records, of SIMPLE, SIMPLE_NORMAL and GENERAL.
         clips: device array of the clip planes' records.
@@ -87,10 +108,11 @@ class Setup:
     def __init__(self, queue: Queue) -> None:
         self._queue = queue
         self._bound = build(queue.context, ["bounds.cl"]).bound_quadrics
-        program = build(queue.context, ["dd.h", "records.h", "family.h", "setup_simple.cl", "setup_general.cl"])
-        self._simple, self._general, self._clips = (
-            program.set_up_simple, program.set_up_general, program.set_up_clips
-        )  # fmt: skip
+        program = build(queue.context, [
+            "dd.h", "records.h", "family.h", "simple_forms.h", "setup_quick.cl", "setup_simple.cl", "setup_general.cl",
+        ])  # fmt: skip
+        self._quickly, self._simple = program.set_up_quickly, program.set_up_simple
+        self._general, self._clips = program.set_up_general, program.set_up_clips
         self._forms = queue.read_only(shape_forms())
 
     def run(self, quadrics: Quadrics, camera: Camera, view: View, *, want_back: bool) -> Visible:
@@ -103,28 +125,33 @@ class Setup:
         rays = queue.read_only(view.rays)
         box, middle, nearest, path, flags = self._bounds(quadrics, camera, view, world, want_back)
 
-        seen = np.flatnonzero(path != _CULLED).astype(np.int32)
-        seen = seen[np.argsort(nearest[seen], kind="stable")]
+        seen = _in_depth_order(np.flatnonzero(path != _CULLED).astype(np.int32), nearest)
         is_simple = path[seen] == _SIMPLE
-        record = np.empty(len(seen), dtype=np.int32)
-        record[is_simple] = np.arange(np.count_nonzero(is_simple), dtype=np.int32)
-        record[~is_simple] = ~np.arange(np.count_nonzero(~is_simple), dtype=np.int32)
-        depths = nearest[seen][nearest[seen] > 0]
-        unit = 2.0 ** float(np.clip(np.frexp(np.median(depths))[1], -900, 900)) if len(depths) else 1.0
+        rows = np.flatnonzero(path == _SIMPLE).astype(np.int32)
+        row_of = np.empty(len(quadrics), dtype=np.int32)
+        row_of[rows] = np.arange(len(rows), dtype=np.int32)
+        record = row_of[seen]
+        record[~is_simple] = ~np.arange(len(seen) - len(rows), dtype=np.int32)
+        unit = _unit(nearest[seen])
 
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
         target = queue.read_only(view.target)
-        simple = np.empty(np.count_nonzero(is_simple), dtype=SIMPLE)
-        simple_normals = np.empty(len(simple), dtype=SIMPLE_NORMAL)
-        general = np.empty(np.count_nonzero(~is_simple), dtype=GENERAL)
+        simple = np.empty(len(rows), dtype=SIMPLE)
+        simple_normals = np.empty(len(rows), dtype=SIMPLE_NORMAL)
+        general = np.empty(len(seen) - len(rows), dtype=GENERAL)
         clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
         orthographic = np.int32(view.orthographic)
-        if is_simple.any():
-            rows = seen[is_simple]
-            queue.run(self._simple, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
-                      centres, rays, np.float64(unit), orthographic, target, queue.read_only(box),
-                      np.array(camera.crop, dtype=np.int32), queue.in_place(simple),
-                      queue.in_place(simple_normals))  # fmt: skip
+        if len(rows):
+            open_rows = np.empty(len(rows), dtype=np.uint8)
+            inputs = [queue.read_only(rows), world, radii, centres, rays, np.float64(unit), orthographic, target,
+                      queue.read_only(box), np.array(camera.crop, dtype=np.int32)]  # fmt: skip
+            records = [queue.in_place(simple), queue.in_place(simple_normals)]
+            queue.run(self._quickly, -(-len(rows) // 4), np.int32(len(rows)), *inputs, *records,
+                      queue.in_place(open_rows))  # fmt: skip
+            again = np.flatnonzero(open_rows).astype(np.int32)
+            if len(again):
+                queue.run(self._simple, -(-len(again) // 4), np.int32(len(again)), queue.read_only(again), *inputs,
+                          *records)  # fmt: skip
         if not is_simple.all():
             rows = seen[~is_simple]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
@@ -136,7 +163,9 @@ class Setup:
         if len(quadrics.clip):
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
                       queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip
-        return Visible(seen, box[seen], nearest[seen], record, simple, simple_normals, general, clips, unit)
+        # Of this slot and all behind it: casting stops by it.
+        nearest = np.minimum.accumulate(nearest[seen][::-1])[::-1]
+        return Visible(seen, box[seen], nearest, record, simple, simple_normals, general, clips, unit)
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
@@ -148,7 +177,7 @@ class Setup:
         nearest = np.empty(count)
         path = np.empty(count, dtype=np.uint8)
         if count:
-            queue.run(self._bound, count, np.int32(count), world, queue.read_only(extent.centre),
+            queue.run(self._bound, -(-count // 4), np.int32(count), world, queue.read_only(extent.centre),
                       queue.read_only(extent.half), queue.read_only(extent.kind),
                       queue.read_only(extent.whole.view(np.uint8)), queue.read_only(view.image_rows),
                       queue.read_only(view.origin), view.principal, np.int32(view.orthographic),

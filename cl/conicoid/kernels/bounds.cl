@@ -1,149 +1,175 @@
-// Where each quadric can be seen: a pixel box, a range of depths, and whether its record may be the simple one.
-// Everything errs on the side of too large.
+// Where each quadric can be seen: a pixel box, a range of depths, and whether its record may be the simple one; four
+// quadrics per work-item. Everything errs on the side of too large.
 
 #define CULLED 0
 #define SIMPLE 1
 #define GENERAL 2
 
+// Of extent.py.
 #define UNBOUNDED 0
 #define ELLIPSOID 1
+#define BOX 2
 
 // Relative slack for the few roundings of a dot product of three terms and what is derived from it.
 #define SLACK 0x1p-44
 
+#define AT(vector, lane) (((__private double *)&(vector))[lane])
+
 typedef struct {
-    double low, high;
+    double4 low, high;
 } interval;
 
-static inline double dot3(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static inline double4 dot3(const double4 *a, const double4 *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static inline double reach(const double *a, int ellipsoid)
+static inline double4 larger(double4 a, double4 b) { return a > b ? a : b; }
+
+static inline double4 smaller(double4 a, double4 b) { return a < b ? a : b; }
+
+static inline double4 reach(const double4 *a, long4 ellipsoid)
 {
-    double sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-    if (!ellipsoid || !(sum > 0x1p-450 && sum < 0x1p450))
-        return sum;
-    return fmin(sqrt(dot3(a, a)), sum);
+    double4 sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
+    return ellipsoid & (sum > 0x1p-450) & (sum < 0x1p450) ? smaller(sqrt(dot3(a, a)), sum) : sum;
 }
 
 // Pixel range of an ellipsoid wholly in front of a pinhole, about the middle pixel m: the projected dual conic's
 // extent, x = (C13 +- sqrt(C13^2 - C11 C33)) / C33 (Sigg et al. 2006, section 3.2), with the row shifted by m so
 // that nothing large cancels.
-static inline interval ellipsoid_pixels(double t, const double *a, double depth, const double *da)
+static inline interval ellipsoid_pixels(double4 t, const double4 *a, double4 per_depth, const double4 *da)
 {
-    double m = t / depth;
+    double4 m = t * per_depth;
     // Over the depth, so that no unit of length is too small or too large to square.
-    double b[3], d[3];
+    double4 b[3], d[3];
     for (int k = 0; k < 3; k++) {
-        b[k] = (a[k] - m * da[k]) / depth;
-        d[k] = da[k] / depth;
+        b[k] = (a[k] - m * da[k]) * per_depth;
+        d[k] = da[k] * per_depth;
     }
-    double c13 = dot3(b, d);
-    double c33 = dot3(d, d) - 1.0;
-    double root = sqrt(fmax(c13 * c13 - dot3(b, b) * c33, 0.0));
-    double e1 = (c13 + root) / c33;
-    double e2 = (c13 - root) / c33;
-    double slack = 1e-6 * (fabs(e1) + fabs(e2));
-    return (interval){m + fmin(e1, e2) - slack, m + fmax(e1, e2) + slack};
+    double4 c13 = dot3(b, d);
+    double4 c33 = dot3(d, d) - 1.0;
+    double4 root = sqrt(larger(c13 * c13 - dot3(b, b) * c33, (double4)(0.0)));
+    double4 per_c33 = 1.0 / c33;
+    double4 e1 = (c13 + root) * per_c33;
+    double4 e2 = (c13 - root) * per_c33;
+    double4 slack = 1e-6 * (fabs(e1) + fabs(e2));
+    return (interval){m + smaller(e1, e2) - slack, m + larger(e1, e2) + slack};
 }
 
-static inline interval box_pixels(double t, const double *a, double depth, const double *da)
+static inline interval box_pixels(double4 t, const double4 *a, double4 depth, const double4 *da)
 {
-    interval r = {INFINITY, -INFINITY};
+    interval r = {(double4)(INFINITY), (double4)(-INFINITY)};
     for (int corner = 0; corner < 8; corner++) {
-        double x = (corner & 1) ? 1.0 : -1.0;
-        double y = (corner & 2) ? 1.0 : -1.0;
-        double z = (corner & 4) ? 1.0 : -1.0;
-        double p = (t + x * a[0] + y * a[1] + z * a[2]) / (depth + x * da[0] + y * da[1] + z * da[2]);
-        r.low = fmin(r.low, p);
-        r.high = fmax(r.high, p);
+        double4 x = (double4)((corner & 1) ? 1.0 : -1.0);
+        double4 y = (double4)((corner & 2) ? 1.0 : -1.0);
+        double4 z = (double4)((corner & 4) ? 1.0 : -1.0);
+        double4 p = (t + x * a[0] + y * a[1] + z * a[2]) / (depth + x * da[0] + y * da[1] + z * da[2]);
+        r.low = smaller(r.low, p);
+        r.high = larger(r.high, p);
     }
     return r;
 }
 
 static inline int clamp_pixel(double x, int low, int high) { return (int)fmin(fmax(x, (double)low), (double)high); }
 
-__kernel void bound_quadrics(int count, __global const double *world_from_object, __global const double *centre,
-                             __global const double *half_size, __global const uchar *kind, __global const uchar *whole,
-                             __global const double *image_rows, __global const double *origin, double2 principal,
-                             int orthographic, int4 crop, int2 image, double near, double far, int want_back,
-                             __global int4 *box, __global int2 *middle, __global double *nearest, __global uchar *path)
+__kernel __attribute__((reqd_work_group_size(1, 1, 1)))
+void bound_quadrics(int count, __global const double *world_from_object, __global const double *object_centre,
+                    __global const double *object_half, __global const uchar *kind, __global const uchar *whole,
+                    __global const double *image_rows, __global const double *origin, double2 principal,
+                    int orthographic, int4 crop, int2 image, double near, double far, int want_back,
+                    __global int4 *box, __global int2 *middle, __global double *nearest, __global uchar *path)
 {
-    int i = get_global_id(0) + get_global_size(0) * get_global_id(1);
-    if (i >= count)
+    int first = 4 * (get_global_id(0) + get_global_size(0) * get_global_id(1));
+    if (first >= count)
         return;
-    double m[12];
-    for (int k = 0; k < 12; k++)
-        m[k] = world_from_object[12 * i + k];
-    double g[3], magnitude[3];
-    for (int r = 0; r < 3; r++) {
-        double shift = 0.0, size = 0.0;
+    double4 m[12], centre[3], half_size[3];
+    long4 ellipsoid, bounded;
+    int boxes = 0;
+    for (int lane = 0; lane < 4; lane++) {
+        int i = min(first + lane, count - 1);
+        for (int k = 0; k < 12; k++)
+            AT(m[k], lane) = world_from_object[12 * i + k];
         for (int k = 0; k < 3; k++) {
-            shift += m[4 * r + k] * centre[3 * i + k];
-            size += fabs(m[4 * r + k] * centre[3 * i + k]);
+            AT(centre[k], lane) = object_centre[3 * i + k];
+            AT(half_size[k], lane) = object_half[3 * i + k];
+        }
+        ((__private long *)&ellipsoid)[lane] = kind[i] == ELLIPSOID ? -1 : 0;
+        ((__private long *)&bounded)[lane] = kind[i] != UNBOUNDED ? -1 : 0;
+        boxes |= kind[i] == BOX;
+    }
+    double4 g[3], magnitude[3];
+    for (int r = 0; r < 3; r++) {
+        double4 shift = (double4)(0.0), size = (double4)(0.0);
+        for (int k = 0; k < 3; k++) {
+            shift += m[4 * r + k] * centre[k];
+            size += fabs(m[4 * r + k] * centre[k]);
         }
         g[r] = (m[4 * r + 3] - origin[r]) + shift;
         magnitude[r] = fabs(m[4 * r + 3] - origin[r]) + size;
     }
-    double t[3], a[3][3], noise[3];
+    double4 t[3], a[3][3], noise[3];
     for (int r = 0; r < 3; r++) {
-        t[r] = noise[r] = 0.0;
+        t[r] = noise[r] = (double4)(0.0);
         for (int k = 0; k < 3; k++) {
             t[r] += image_rows[3 * r + k] * g[k];
             noise[r] += fabs(image_rows[3 * r + k]) * magnitude[k];
-            a[r][k] = 0.0;
+            a[r][k] = (double4)(0.0);
             for (int j = 0; j < 3; j++)
                 a[r][k] += image_rows[3 * r + j] * m[4 * j + k];
-            a[r][k] *= half_size[3 * i + k];
+            a[r][k] *= half_size[k];
         }
         noise[r] *= SLACK;
     }
-    int ellipsoid = kind[i] == ELLIPSOID;
-    double depth_reach = reach(a[2], ellipsoid);
+    double4 depth_reach = reach(a[2], ellipsoid);
     depth_reach += SLACK * depth_reach + noise[2];
-    double low = t[2] - depth_reach;
-    double high = t[2] + depth_reach;
-    int bounded = kind[i] != UNBOUNDED && isfinite(high) && isfinite(low);
-    int in_front = bounded && low > 0.0;
+    double4 low = t[2] - depth_reach;
+    double4 high = t[2] + depth_reach;
+    bounded &= (low > -INFINITY) & (high < INFINITY);
+    long4 in_front = bounded & (low > 0.0);
 
-    double u0 = crop.x, u1 = crop.z, v0 = crop.y, v1 = crop.w;
-    double u = 0.5 * image.x, v = 0.5 * image.y;
-    if (bounded && (in_front || orthographic)) {
-        interval h, w;
-        double blur = 1.0;
-        if (orthographic) {
-            // A millionth as in ellipsoid_pixels: set-up counts on it.
-            double rx = reach(a[0], ellipsoid) * (1.0 + 1e-6), ry = reach(a[1], ellipsoid) * (1.0 + 1e-6);
-            h = (interval){t[0] - rx, t[0] + rx};
-            w = (interval){t[1] - ry, t[1] + ry};
-        } else {
-            h = ellipsoid ? ellipsoid_pixels(t[0], a[0], t[2], a[2]) : box_pixels(t[0], a[0], t[2], a[2]);
-            w = ellipsoid ? ellipsoid_pixels(t[1], a[1], t[2], a[2]) : box_pixels(t[1], a[1], t[2], a[2]);
-            blur = 1.0 / low;
+    interval h, w;
+    double4 blur = (double4)(1.0);
+    if (orthographic) {
+        // A millionth as in ellipsoid_pixels: set-up counts on it.
+        double4 rx = reach(a[0], ellipsoid) * (1.0 + 1e-6), ry = reach(a[1], ellipsoid) * (1.0 + 1e-6);
+        h = (interval){t[0] - rx, t[0] + rx};
+        w = (interval){t[1] - ry, t[1] + ry};
+    } else {
+        double4 per_depth = 1.0 / t[2];
+        h = ellipsoid_pixels(t[0], a[0], per_depth, a[2]);
+        w = ellipsoid_pixels(t[1], a[1], per_depth, a[2]);
+        if (boxes) {
+            interval bh = box_pixels(t[0], a[0], t[2], a[2]), bw = box_pixels(t[1], a[1], t[2], a[2]);
+            h = (interval){ellipsoid ? h.low : bh.low, ellipsoid ? h.high : bh.high};
+            w = (interval){ellipsoid ? w.low : bw.low, ellipsoid ? w.high : bw.high};
         }
-        // The pixel noise of the projected centre, and of the depth it was divided by.
-        double bu = blur * (noise[0] + SLACK * depth_reach + noise[2] * fmax(fabs(h.low), fabs(h.high)));
-        double bv = blur * (noise[1] + SLACK * depth_reach + noise[2] * fmax(fabs(w.low), fabs(w.high)));
-        u = 0.5 * (h.low + h.high) + principal.x;
-        v = 0.5 * (w.low + w.high) + principal.y;
-        u0 = h.low + principal.x - bu - 1e-9 * fabs(u);
-        u1 = h.high + principal.x + bu + 1e-9 * fabs(u);
-        v0 = w.low + principal.y - bv - 1e-9 * fabs(v);
-        v1 = w.high + principal.y + bv + 1e-9 * fabs(v);
-        // Pixel i is sampled at i + 0.5; a NaN leaves the whole crop.
-        u0 = u0 == u0 ? ceil(u0 - 0.5) : crop.x;
-        v0 = v0 == v0 ? ceil(v0 - 0.5) : crop.y;
-        u1 = u1 == u1 ? floor(u1 - 0.5) + 1.0 : crop.z;
-        v1 = v1 == v1 ? floor(v1 - 0.5) + 1.0 : crop.w;
+        blur = 1.0 / low;
     }
-    int4 b = (int4)(clamp_pixel(u0, crop.x, crop.z), clamp_pixel(v0, crop.y, crop.w), clamp_pixel(u1, crop.x, crop.z),
-                    clamp_pixel(v1, crop.y, crop.w));
-    int unseen = b.x >= b.z || b.y >= b.w || (bounded && (high < near || low > far || high <= 0.0));
-    int simple = whole[i] && in_front && low > near && high < far && !want_back;
-    // Orthographic keys b + sqrt(S) lose what t gains by being near: only far enough from the camera's plane.
-    if (orthographic && low < 0.25 * high)
-        simple = 0;
-    box[i] = b;
-    middle[i] = (int2)(clamp_pixel(rint(u), 0, image.x), clamp_pixel(rint(v), 0, image.y));
-    nearest[i] = bounded ? fmax(low, 0.0) : 0.0;
-    path[i] = unseen ? CULLED : simple ? SIMPLE : GENERAL;
+    // The pixel noise of the projected centre, and of the depth it was divided by.
+    double4 bu = blur * (noise[0] + SLACK * depth_reach + noise[2] * larger(fabs(h.low), fabs(h.high)));
+    double4 bv = blur * (noise[1] + SLACK * depth_reach + noise[2] * larger(fabs(w.low), fabs(w.high)));
+    long4 seen = bounded & (orthographic ? (long4)(-1) : in_front);
+    double4 u = seen ? 0.5 * (h.low + h.high) + principal.x : (double4)(0.5 * image.x);
+    double4 v = seen ? 0.5 * (w.low + w.high) + principal.y : (double4)(0.5 * image.y);
+    double4 edge[4] = {h.low + principal.x - bu - 1e-9 * fabs(u), w.low + principal.y - bv - 1e-9 * fabs(v),
+                       h.high + principal.x + bu + 1e-9 * fabs(u), w.high + principal.y + bv + 1e-9 * fabs(v)};
+    for (int k = 0; k < 4; k++) {
+        // Pixel i is sampled at i + 0.5; a NaN leaves the whole crop.
+        edge[k] = k < 2 ? ceil(edge[k] - 0.5) : floor(edge[k] - 0.5) + 1.0;
+        double whole_crop = k == 0 ? crop.x : k == 1 ? crop.y : k == 2 ? crop.z : crop.w;
+        edge[k] = seen & (edge[k] == edge[k]) ? edge[k] : (double4)(whole_crop);
+    }
+    for (int lane = 0; lane < 4 && first + lane < count; lane++) {
+        int i = first + lane;
+        int4 b = (int4)(clamp_pixel(AT(edge[0], lane), crop.x, crop.z), clamp_pixel(AT(edge[1], lane), crop.y, crop.w),
+                        clamp_pixel(AT(edge[2], lane), crop.x, crop.z), clamp_pixel(AT(edge[3], lane), crop.y, crop.w));
+        double nearer = AT(low, lane), farther = AT(high, lane);
+        int known = ((__private long *)&bounded)[lane] != 0, front = ((__private long *)&in_front)[lane] != 0;
+        int unseen = b.x >= b.z || b.y >= b.w || (known && (farther < near || nearer > far || farther <= 0.0));
+        int simple = whole[i] && front && nearer > near && farther < far && !want_back;
+        // Orthographic keys b + sqrt(S) lose what t gains by being near: only far enough from the camera's plane.
+        if (orthographic && nearer < 0.25 * farther)
+            simple = 0;
+        box[i] = b;
+        middle[i] = (int2)(clamp_pixel(rint(AT(u, lane)), 0, image.x), clamp_pixel(rint(AT(v, lane)), 0, image.y));
+        nearest[i] = known ? fmax(nearer, 0.0) : 0.0;
+        path[i] = unseen ? CULLED : simple ? SIMPLE : GENERAL;
+    }
 }
