@@ -10,6 +10,8 @@ from conicoid.memory import Queue
 from conicoid.program import build
 
 TILE: Final = 16
+_LEAST_PART: Final = 2048
+_MOST_PARTS: Final = 16
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,8 @@ class Binning:
 
     def __init__(self, queue: Queue) -> None:
         self._queue = queue
-        self._fill = build(queue.context, ["bins.cl"]).fill_tiles
+        program = build(queue.context, ["records.h", "bins.cl"])
+        self._count, self._fill = program.count_tiles, program.fill_tiles
 
     def run(self, box: NDArray[np.int32], crop: tuple[int, int, int, int]) -> Bins:
         """Lists the slots of every tile.
@@ -54,31 +57,18 @@ class Binning:
         """
         x0, y0 = crop[0] // TILE, crop[1] // TILE
         columns, rows = -(-crop[2] // TILE) - x0, -(-crop[3] // TILE) - y0
-        tiles = box // TILE
-        tiles[:, 2:] = -(-box[:, 2:] // TILE)
-        tiles -= np.array([x0, y0, x0, y0], dtype=np.int32)
-        # Corners of every box in a difference array; its double running sum counts the boxes over each tile.
-        corners = np.zeros((rows + 1) * (columns + 1), dtype=np.int64)
-        for x, y, sign in ((0, 1, 1), (2, 1, -1), (0, 3, -1), (2, 3, 1)):
-            corners += sign * np.bincount(tiles[:, y] * (columns + 1) + tiles[:, x], minlength=len(corners))
-        counts = corners.reshape(rows + 1, columns + 1).cumsum(0).cumsum(1)[:rows, :columns].ravel()
-        end = np.cumsum(counts)
-        place = (end - counts).astype(np.int32)
-        entries = np.empty(int(end[-1]), dtype=np.int32)
+        parts = min(max(len(box) // _LEAST_PART, 1), _MOST_PARTS)
+        queue = self._queue
+        frame = [np.int32(len(box)), np.int32(parts), queue.read_only(box), np.array([x0, y0], dtype=np.int32),
+                 np.array([columns, rows], dtype=np.int32)]  # fmt: skip
+        counts = np.zeros((parts, columns * rows), dtype=np.int32)
         if len(box):
-            row_start, slots = _by_row(tiles, rows)
-            self._queue.run_grid(self._fill, (rows, 1), self._queue.read_only(row_start),
-                                 self._queue.read_only(slots), self._queue.read_only(tiles), np.int32(columns),
-                                 self._queue.in_place(place), self._queue.in_place(entries))  # fmt: skip
-        return Bins((x0, y0), columns, rows, end.astype(np.int32), entries)
-
-
-def _by_row(tiles: NDArray[np.int32], rows: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The slots that touch each row of tiles, in order: where each row begins, and all rows' slots."""
-    heights = tiles[:, 3] - tiles[:, 1]
-    slots = np.repeat(np.arange(len(tiles), dtype=np.int32), heights)
-    first = np.cumsum(heights) - heights
-    row = (np.arange(len(slots)) - np.repeat(first - tiles[:, 1], heights)).astype(np.uint16)
-    starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
-    # A stable sort of uint16 is a radix sort.
-    return starts, slots[np.argsort(row, kind="stable")]
+            queue.run_grid(self._count, (parts, 1), *frame, queue.in_place(counts))
+        # Tile by tile, part by part: where each part of each list ends.
+        ends = np.cumsum(counts.T, dtype=np.int64).reshape(columns * rows, parts)
+        total = int(ends[-1, -1])
+        next_place = (ends.T - counts).astype(np.int32)
+        entries = queue.kept("entries", total, np.int32)
+        if total:
+            queue.run_grid(self._fill, (parts, 1), *frame, queue.in_place(next_place), queue.in_place(entries))
+        return Bins((x0, y0), columns, rows, ends[:, -1].astype(np.int32), entries)

@@ -36,7 +36,6 @@ DOUBT: Final = np.dtype(
     [("depth", "f8"), ("x", "i4"), ("y", "i4"), ("winner", "i4"), ("rival", "i4"), ("reasons", "i4")], align=True
 )
 _HAS_RANGE: Final = 1
-_ALIGNMENT: Final = 64
 _FIRST_CAPACITY: Final = 4096
 
 
@@ -64,7 +63,6 @@ class Caster:
             ).cast_tiles
             for precision, bits, exact in (("exact", 64, True), ("float64", 64, False), ("float32", 32, False))
         }
-        self._memory = np.empty(0, dtype=np.uint8)
         self._doubts = np.empty(_FIRST_CAPACITY, dtype=DOUBT)
 
     def run(
@@ -86,7 +84,7 @@ class Caster:
         channels = {*output.channels, "A"} if output.data_window == "tight" else {*output.channels}
         wanted = [name for name in _PLANES if name in channels]
         names = [plane for name in wanted for plane in _PLANES[name]]
-        planes = self._planes(len(names) + ("id" in channels), height, width)
+        planes = queue.kept("planes", (len(names) + ("id" in channels), height, width), np.float32)
         floats = planes[: len(names)]
         ids = planes[len(names) :].view(np.uint32)
 
@@ -128,11 +126,3 @@ class Caster:
         if "id" in channels:
             result["id"] = ids[0]
         return result, doubts[: count[0]]
-
-    def _planes(self, count: int, height: int, width: int) -> NDArray[np.float32]:
-        """Reused memory, aligned for vector stores: fresh pages cost more than casting."""
-        size = 4 * count * height * width
-        if len(self._memory) < size + _ALIGNMENT:
-            self._memory = np.empty(size + _ALIGNMENT, dtype=np.uint8)
-        start = -self._memory.ctypes.data % _ALIGNMENT
-        return self._memory[start : start + size].view(np.float32).reshape(count, height, width)

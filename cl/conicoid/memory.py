@@ -1,13 +1,15 @@
 """The command queue, buffers over host memory, and launches that stay in PoCL's small-grid variant."""
 
-from typing import Any
+import math
+from typing import Any, Final
 
 import numpy as np
 import pyopencl
 from numpy.typing import NDArray
 
 # PoCL compiles a second variant of a kernel when one dimension of the grid reaches 65,535.
-_GRID = 16384
+_GRID: Final = 16384
+_ALIGNMENT: Final = 64
 
 
 class Queue:
@@ -17,6 +19,18 @@ class Queue:
         self.device = device
         self.context = pyopencl.Context([device])
         self._queue = pyopencl.CommandQueue(self.context)
+        self._kept: dict[str, NDArray[np.uint8]] = {}
+
+    def kept(self, name: str, shape: int | tuple[int, ...], dtype: Any) -> NDArray[Any]:
+        """An uninitialised array in memory that the next call with this name gets again, aligned to 64 bytes.
+
+        Fresh pages cost more than most kernels that fill them.
+        """
+        size = math.prod(shape if isinstance(shape, tuple) else (shape,)) * np.dtype(dtype).itemsize
+        if name not in self._kept or len(self._kept[name]) < size + _ALIGNMENT:
+            self._kept[name] = np.empty(size + _ALIGNMENT, dtype=np.uint8)
+        start = -self._kept[name].ctypes.data % _ALIGNMENT
+        return self._kept[name][start : start + size].view(dtype).reshape(shape)
 
     def read_only(self, array: NDArray[Any]) -> "pyopencl.Buffer":
         """A buffer that reads `array` (made contiguous if it is not); empty arrays give one unused byte."""

@@ -136,13 +136,13 @@ class Setup:
 
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
         target = queue.read_only(view.target)
-        simple = np.empty(len(rows), dtype=SIMPLE)
-        simple_normals = np.empty(len(rows), dtype=SIMPLE_NORMAL)
-        general = np.empty(len(seen) - len(rows), dtype=GENERAL)
+        simple = queue.kept("simple", len(rows), SIMPLE)
+        simple_normals = queue.kept("simple_normals", len(rows), SIMPLE_NORMAL)
+        general = queue.kept("general", len(seen) - len(rows), GENERAL)
         clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
         orthographic = np.int32(view.orthographic)
         if len(rows):
-            open_rows = np.empty(len(rows), dtype=np.uint8)
+            open_rows = queue.kept("open_rows", len(rows), np.uint8)
             inputs = [queue.read_only(rows), world, radii, centres, rays, np.float64(unit), orthographic, target,
                       queue.read_only(box), np.array(camera.crop, dtype=np.int32)]  # fmt: skip
             records = [queue.in_place(simple), queue.in_place(simple_normals)]
@@ -172,10 +172,10 @@ class Setup:
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.uint8], NDArray[Any]]:
         queue, count = self._queue, len(quadrics)
         extent = extent_of(quadrics)
-        box = np.empty((count, 4), dtype=np.int32)
-        middle = np.empty((count, 2), dtype=np.int32)
-        nearest = np.empty(count)
-        path = np.empty(count, dtype=np.uint8)
+        box = queue.kept("box", (count, 4), np.int32)
+        middle = queue.kept("middle", (count, 2), np.int32)
+        nearest = queue.kept("nearest", count, np.float64)
+        path = queue.kept("path", count, np.uint8)
         if count:
             queue.run(self._bound, -(-count // 4), np.int32(count), world, queue.read_only(extent.centre),
                       queue.read_only(extent.half), queue.read_only(extent.kind),
