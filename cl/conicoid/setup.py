@@ -59,7 +59,7 @@ def scaled(matrix: Floats) -> Floats:
 
 def _in_depth_order(seen: NDArray[np.int32], nearest: Floats) -> NDArray[np.int32]:
     """Quadrics by the lower bounds of their depth, in the document's order where these are as good as equal."""
-    depth = nearest[seen]
+    depth = nearest.take(seen)
     if not len(seen):
         return seen
     low, high = float(depth.min()), float(depth.max())
@@ -130,7 +130,7 @@ class Setup:
         rows = np.flatnonzero(path == _SIMPLE).astype(np.int32)
         row_of = np.empty(len(quadrics), dtype=np.int32)
         row_of[rows] = np.arange(len(rows), dtype=np.int32)
-        record = row_of[seen]
+        record = row_of.take(seen)
         record[~is_simple] = ~np.arange(len(seen) - len(rows), dtype=np.int32)
         unit = _unit(nearest[seen])
 
@@ -165,7 +165,7 @@ class Setup:
                       queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip
         # Of this slot and all behind it: casting stops by it.
         nearest = np.minimum.accumulate(nearest[seen][::-1])[::-1]
-        return Visible(seen, box[seen], nearest, record, simple, simple_normals, general, clips, unit)
+        return Visible(seen, box.take(seen, axis=0), nearest, record, simple, simple_normals, general, clips, unit)
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
