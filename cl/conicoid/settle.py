@@ -134,7 +134,7 @@ class _Settlement:
         if int(doubt["reasons"]) & _DOUBT_HIT:
             pixel = self._first_hit(x, y, float(doubt["depth"]))
         else:
-            pixel = self._exact.pixel(x, y, [int(self._visible.quadric[int(doubt["winner"]) >> 2])])
+            pixel = self._exact.pixel(x, y, [int(self.visible.quadric[int(doubt["winner"]) >> 2])])
         for channel in self._scene.output.channels:
             for name, value in self._exact.channel(channel, pixel).items():
                 planes[name][y - y0, x - x0] = value

@@ -1,5 +1,4 @@
-"""Flat pieces of a quadric, its planes and its caps: where one is kept, and which of two is nearer, is a question of
-lines across the image.
+"""Flat pieces of a quadric, its planes and its caps: what is asked of them is a question of lines across the image.
 
 Along a ray a plane is e + g t, with one of e and g the same on every ray, so that t = -e/g, and whatever is asked of
 another such function there has the sign of a linear function of the pixel.
