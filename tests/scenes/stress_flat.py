@@ -1,38 +1,8 @@
 """Planes, sheets and caps that tie with near, far, ranges, clips and each other over whole images."""
 
-import math
-
 from tests.scenes.catalogue import PROJECTIONS, Document
+from tests.scenes.floods import CAN, CORNER, GROUND, SLAB, TURN, WALL, box, room, turned_normal
 from tests.scenes.stress import CENTRED, ball, enter, form, orthographic, pinhole, posed, stress, up
-
-TURN = [0.1, 0.2, 0, 1]
-WALL: Document = {"shape": "plane", "center": [0, 0, -5]}
-SLAB: Document = {"shape": "parallel_planes", "center": [0, 0, -6]}
-CAN: Document = {"shape": "cylinder", "radius": 2, "center": [0, 0, -6], "z_range": [-1, 1], "capped": True}
-# f = x (z + 5): one sheet along the view, one across it.
-CORNER = form(0, 0, 0.5, 2.5, 0, 0, 0, 0, 0, 0)
-# y = 0, seen from above.
-GROUND: Document = {"shape": "plane", "transform": [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]}
-
-
-def turned_normal() -> list[float]:
-    """The z axis under TURN, as someone would compute it: not quite the plane's own normal."""
-    x, y, z, w = (value / math.hypot(*TURN) for value in TURN)
-    return [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]
-
-
-def box(x: float, y: float, z: float) -> list[Document]:
-    """A cube of side 2: three slabs, each clipped by the faces of all three."""
-    faces = [[1, 0, 0, 1 - x], [-1, 0, 0, 1 + x], [0, 1, 0, 1 - y], [0, -1, 0, 1 + y], [0, 0, 1, 1 - z],
-             [0, 0, -1, 1 + z]]  # fmt: skip
-    columns = ([0, 1, 2], [1, 2, 0], [2, 0, 1])
-    turns = [[[float(row == column) for column in order] for row in range(3)] for order in columns]
-    return [
-        {"shape": "parallel_planes", "clip": faces,
-         "transform": [[*row, at] for row, at in zip(turn, (x, y, z), strict=True)] + [[0, 0, 0, 1]]}
-        for turn in turns
-    ]  # fmt: skip
-
 
 for projection, camera in zip(PROJECTIONS, (pinhole(), orthographic()), strict=True):
     for end in ("near", "far"):
@@ -57,7 +27,7 @@ for projection, camera in zip(PROJECTIONS, (pinhole(), orthographic()), strict=T
               [{**SLAB, "rotation": TURN, "z_range": ends, "capped": True}], camera, normal_side="outward")  # fmt: skip
     enter(f"walls_a_unit_apart_{projection}", "a wall, a slab, a corner and a cap, each a unit behind the next",
           [{**CAN, "radius": 1}, {**SLAB, "radius": up(1.0), "clip": [[1, 0, 0, 0.5]]},
-           {**WALL, "center": [0, 0, up(-5.0)]}, form(0, 0, 0.5, 0.5 * up(5.0, -2), 0, 0, 0, 0, 0, 0)], camera)  # fmt: skip
+           {**WALL, "center": [0, 0, up(-5.0)]}, form(0, 0, 0.5, up(5.0, -2) / 2, 0, 0, 0, 0, 0, 0)], camera)  # fmt: skip
     for label, size in (("thin", 1e-17), ("thinner", 1e-40)):
         enter(f"coin_and_slab_{label}_{projection}", "two faces that no depth tells apart",
               [{**CAN, "rotation": TURN, "z_range": [0, size]}, {**SLAB, "rotation": TURN, "radius": size,
@@ -66,7 +36,7 @@ for projection, camera in zip(PROJECTIONS, (pinhole(), orthographic()), strict=T
           [{**WALL, "clip": [[1, 0, 0, 1]]}, SLAB, {**WALL, "center": [0, 0, -7]}, CAN], camera)  # fmt: skip
     enter(f"edge_of_a_corner_{projection}", "where two sheets cross, at pixel centres; near on one of them",
           [CORNER], {**camera, **CENTRED, "near": 5}, normal_side="outward")  # fmt: skip
-    enter(f"irrational_sheets_{projection}", "x^2 = 2 (z + 5)^2, clipped by planes through its edge, between its sheets",
+    enter(f"irrational_sheets_{projection}", "x^2 = 2 (z + 5)^2, clipped by planes through its edge",
           [form(1, 0, 0, 0, 0, 0, 0, -2, -10, -50, clip=[[0, 0, 1, 5], [1, 0, 1.25, 6.25]])],
           {**camera, **CENTRED})  # fmt: skip
     enter(f"boxes_in_a_stack_{projection}", "cubes of clipped slabs that share faces, edges and corners",
@@ -109,8 +79,7 @@ def ground_edge_on() -> tuple[list[Document], Document]:
 @stress
 def a_room_of_clipped_planes() -> tuple[list[Document], Document]:
     """Five walls, each clipped by all five half-spaces, the eye on the sixth."""
-    inside = [[1, 0, 0, 2], [-1, 0, 0, 2], [0, 1, 0, 1.5], [0, -1, 0, 1.5], [0, 0, 1, 5]]
-    walls = [form(0, 0, 0, a / 2, 0, 0, b / 2, 0, c / 2, d, clip=inside) for a, b, c, d in inside]
+    walls = room([1, 0, 0, 2], [-1, 0, 0, 2], [0, 1, 0, 1.5], [0, -1, 0, 1.5], [0, 0, 1, 5])
     return walls, pinhole(fx=8, fy=8)
 
 
