@@ -19,7 +19,7 @@ from conicoid.scene import Camera, Floats
 from conicoid.setup import CLIP, PLANE, Visible
 
 # `flags` and kinds of hits in kernels/records.h and candidates.h.
-_SHEETS: Final = 64
+SHEETS: Final = 64
 _CAP_LOW: Final = 2
 _UNSEEN: Final = 16
 _SMALLEST: Final = 2.0**-900
@@ -63,7 +63,7 @@ class Places:
                     record["clip_start"][kind], record["clip_count"][kind] = start, len(piece.kept)
                     start += len(piece.kept)
             if pieces.turn:
-                record["flags"] |= _SHEETS
+                record["flags"] |= SHEETS
                 record["sheet"] = _rounded(pieces.turn.about(*map(int, record["centre"])))
                 record["face"] = [_rounded(face) for face in pieces.faces]
         self.visible = replace(self.visible, clips=np.concatenate(clips))

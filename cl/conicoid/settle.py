@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from conicoid.bins import Bins
 from conicoid.exact import ExactForms, ExactPixel, ExactScene
-from conicoid.places import Places
+from conicoid.places import SHEETS, Places
 from conicoid.scene import Scene
 from conicoid.setup import Visible
 
@@ -56,7 +56,7 @@ def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast, refine: Refin
             break
         if step(doubts):
             planes, doubts = cast(settlement.visible)
-    known = (doubts["reasons"] & _DOUBT_HIT) == 0
+    known = settlement.known(doubts)
     known[known] = refine(planes, doubts[known])
     for doubt in doubts[~known]:
         settlement.solve(planes, doubt)
@@ -89,6 +89,14 @@ class _Settlement:
                 self._places.name(slot, _KINDS[surface], key)
         self._places.arrange()
         return some_flat or not np.array_equal(before, self.visible.place)
+
+    def known(self, doubts: NDArray[Any]) -> NDArray[np.bool_]:
+        """Pixels whose hit is certain, on a root or a cap: sheets have kinds of their own."""
+        known = (doubts["reasons"] & _DOUBT_HIT) == 0
+        record = self.visible.record[doubts["winner"] >> 2]
+        general = known & (record < 0)
+        known[general] = (self.visible.general["flags"][~record[general]] & SHEETS) == 0
+        return known
 
     def refine_seen(self, doubts: NDArray[Any]) -> bool:
         """Refines the general records that pixels with doubtful hits may see; whether there are any."""

@@ -1,4 +1,4 @@
-"""What ties over a whole frame is settled once, not pixel by pixel: surfaces that coincide, and planes that meet planes.
+"""What ties over a whole frame is settled once, not pixel by pixel: equal surfaces, and planes that meet planes.
 
 Work is counted, not timed: a pixel that exact arithmetic decides takes some 0.1 ms, so a thousandth of a frame of two
 million is a fraction of a second.

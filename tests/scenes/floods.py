@@ -1,4 +1,4 @@
-"""`FLOODS`: scenes as users write them where planes, sheets or caps tie with something at every pixel of a large image."""
+"""`FLOODS`: scenes as users write them where planes, sheets or caps tie with something at every pixel."""
 
 import math
 
@@ -14,13 +14,7 @@ CORNER = form(0, 0, 0.5, 2.5, 0, 0, 0, 0, 0, 0)
 # y = 0, seen from above.
 GROUND: Document = {"shape": "plane", "transform": [[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]]}
 STANDING: Document = {"world_from_camera": [[1, 0, 0, 0], [0, 1, 0, 1.5], [0, 0, 1, 4], [0, 0, 0, 1]]}
-HALF: Document = {
-    "shape": "sphere",
-    "center": [0, 0, -4],
-    "radius": 1.75,
-    "rotation": [0.5, 0.25, 0, 1],
-    "capped": True,
-}
+HALF: Document = {"shape": "sphere", "center": [0, 0, -4], "radius": 1.75, "rotation": TURN, "capped": True}
 CHANNELS = ["Z", "ZBack", "N", "id"]
 
 # The document's quadrics and what its camera says besides its size, by name; for a pinhole and for parallel rays.
@@ -102,7 +96,7 @@ for _projection in PROJECTIONS:
 FLOODS["a ground clipped at its height"] = ([{**GROUND, "clip": [[0, 1, 0, 0]]}, {"shape": "sphere"}], STANDING)
 FLOODS["eye on the ground"] = ([GROUND, {**CAN, "rotation": [1, 0, 0, 1], "z_range": [-1, 0]}], {})
 FLOODS["a can on a glass table, from below"] = (
-    [GROUND, {**CAN, **GROUND, "shape": "cylinder", "z_range": [0, 1], "radius": 2}],
+    [GROUND, {**GROUND, "shape": "cylinder", "radius": 2, "z_range": [0, 1], "capped": True}],
     {"world_from_camera": [[1, 0, 0, 0], [0, 0, -1, -3], [0, 1, 0, 0], [0, 0, 0, 1]]},
 )
 FLOODS["a room of clipped planes"] = (

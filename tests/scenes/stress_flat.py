@@ -27,7 +27,8 @@ for projection, camera in zip(PROJECTIONS, (pinhole(), orthographic()), strict=T
               [{**SLAB, "rotation": TURN, "z_range": ends, "capped": True}], camera, normal_side="outward")  # fmt: skip
     enter(f"walls_a_unit_apart_{projection}", "a wall, a slab, a corner and a cap, each a unit behind the next",
           [{**CAN, "radius": 1}, {**SLAB, "radius": up(1.0), "clip": [[1, 0, 0, 0.5]]},
-           {**WALL, "center": [0, 0, up(-5.0)]}, form(0, 0, 0.5, up(5.0, -2) / 2, 0, 0, 0, 0, 0, 0)], camera)  # fmt: skip
+           {**WALL, "center": [0, 0, up(-5.0)]},
+           form(0, 0, 0.5, up(5.0, -2) / 2, 0, 0, 0, 0, 0, 0)], camera)  # fmt: skip
     for label, size in (("thin", 1e-17), ("thinner", 1e-40)):
         enter(f"coin_and_slab_{label}_{projection}", "two faces that no depth tells apart",
               [{**CAN, "rotation": TURN, "z_range": [0, size]}, {**SLAB, "rotation": TURN, "radius": size,
