@@ -92,7 +92,7 @@ class _Settlement:
 
     def known(self, doubts: NDArray[Any]) -> NDArray[np.bool_]:
         """Pixels whose hit is certain, on a root or a cap: sheets have kinds of their own."""
-        known = (doubts["reasons"] & _DOUBT_HIT) == 0
+        known: NDArray[np.bool_] = (doubts["reasons"] & _DOUBT_HIT) == 0
         record = self.visible.record[doubts["winner"] >> 2]
         general = known & (record < 0)
         known[general] = (self.visible.general["flags"][~record[general]] & SHEETS) == 0
