@@ -20,8 +20,9 @@ SOURCES = {
 ENGINE_THIRD_PARTY = {"numpy", "pyopencl", "flint", "orjson"}
 DEVICE_SIDE = {
     f"conicoid.{name}"
-    for name in ("bins", "cast", "device", "engine", "memory", "probe", "program", "refine", "settle", "setup")
-}
+    for name in ("bins", "cast", "device", "engine", "memory", "places", "probe", "program", "refine", "settle",
+                 "setup")
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from conicoid.setup import Visible
 from conicoid.view import View
 
 _FILES: Final = [
-    "records.h", "lanes.h", "polynomials.h", "tile.h", "certify.h", "offer.h", "candidates.h", "general.h",
+    "records.h", "lanes.h", "polynomials.h", "tile.h", "certify.h", "places.h", "offer.h", "candidates.h", "general.h",
     "normals.h", "simple.h", "winners.h", "channels.h", "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
@@ -47,7 +47,7 @@ def _arithmetic(precision: Precision, visible: Visible) -> Precision:
     along, across = np.abs(general["x"][:, 2, 2]), np.abs(general["x"][:, :, 2]).max(axis=1)
     span = np.abs(general["range"][:, 0, 2] - general["range"][:, 1, 2])
     ranged = (general["flags"] & _HAS_RANGE) != 0
-    far = (ranged & (along > 128 * span)) | ((general["clip_count"] > 0) & (across > 128))
+    far = (ranged & (along > 128 * span)) | ((general["clip_count"][:, 0] > 0) & (across > 128))
     return "float64" if far.any() else precision
 
 
@@ -66,12 +66,9 @@ class Caster:
         self._doubts = np.empty(_FIRST_CAPACITY, dtype=DOUBT)
 
     def run(
-        self, scene: Scene, view: View, visible: Visible, bins: Bins, surface_class: NDArray[np.int32] | None = None
+        self, scene: Scene, view: View, visible: Visible, bins: Bins
     ) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
         """Casts the crop.
-
-        `surface_class`, (m, 3) int32, numbers the slots' surfaces and caps at z0 and z1: those with the same number
-        >= 0 are the same set of points and tie where both are hit.
 
         Returns:
             Planes named as in EXR, in memory that the next run writes over, and the pixels in doubt, (k,) of DOUBT:
@@ -104,21 +101,21 @@ class Caster:
         with np.errstate(divide="ignore"):
             depth = visible.nearest * ((1 - 2.0**-20) / unit)
             nearest_key = -depth if view.orthographic else 1 / depth
-        if surface_class is None:
-            surface_class = np.full((len(visible.quadric), 3), -1, dtype=np.int32)
         kernel, doubts = self._kernels[_arithmetic(output.precision, visible)], self._doubts
         lists = [
             queue.read_only(array)
             for array in (bins.end, bins.entries, visible.box, nearest_key, visible.record, visible.quadric,
-                          surface_class, scene.quadrics.id[visible.quadric])
+                          visible.place, scene.quadrics.id[visible.quadric])
         ]  # fmt: skip
-        records = [queue.read_only(array) for array in (visible.simple, visible.simple_normals, visible.general)]
+        records = [
+            queue.read_only(array)
+            for array in (visible.simple, visible.simple_normals, visible.general, visible.clips, visible.planes)
+        ]
         while True:
             count = np.zeros(1, dtype=np.int32)
             frame["capacity"] = len(doubts)
             results = [queue.in_place(array) for array in (floats, ids, count, doubts)]
-            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, visible.clips,
-                           *results)  # fmt: skip
+            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, *results)
             if count[0] <= len(doubts):
                 break
             doubts = np.empty(int(count[0]), dtype=DOUBT)

@@ -16,7 +16,7 @@ from conicoid.probe import check_arithmetic
 from conicoid.refine import Refinement
 from conicoid.scene import Camera, Output, Precision, Quadrics, Scene
 from conicoid.settle import settle
-from conicoid.setup import Setup
+from conicoid.setup import Setup, Visible
 from conicoid.view import view_of
 
 
@@ -72,8 +72,8 @@ class Renderer:
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
 
-        def cast(classes: NDArray[np.int32]) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
-            return self._caster.run(scene, view, visible, bins, classes)
+        def cast(visible: Visible) -> tuple[dict[str, NDArray[Any]], NDArray[Any]]:
+            return self._caster.run(scene, view, visible, bins)
 
         def refine(planes: dict[str, NDArray[Any]], doubts: NDArray[Any]) -> NDArray[np.bool_]:
             return self._refinement.run(scene, view, visible, planes, doubts)

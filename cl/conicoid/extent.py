@@ -59,9 +59,7 @@ def extent_of(quadrics: Quadrics) -> Extent:
     return Extent(kind, centre, half, flags, whole)
 
 
-def _bounded(
-    quadrics: Quadrics, rows: NDArray[np.intp]
-) -> tuple[NDArray[np.uint8], Floats, Floats, NDArray[np.int32]]:
+def _bounded(quadrics: Quadrics, rows: NDArray[np.intp]) -> tuple[NDArray[np.uint8], Floats, Floats, NDArray[np.int32]]:
     """Kind, centre, half size and flags of some quadrics that are not whole ellipsoids."""
     shape, radii = quadrics.shape[rows], quadrics.radii[rows]
     low, high = quadrics.z_range[rows].T.copy()

@@ -32,11 +32,13 @@ GENERAL: Final = np.dtype(
         ("moment", "f8", (3, 3)), ("range", "f8", (2, 3)), ("end", "f8", 2), ("cap", "f8", (2, 6)), ("form", "f8", 10),
         ("normal", "f8", (3, 3)), ("kappa", "f8"), ("fixed_norm", "f8"), ("moving_norm", "f8", 3),
         ("moment_norm", "f8", 3), ("form_sum", "f8"), ("spatial_sum", "f8"), ("compound_sum", "f8"),
-        ("centre", "i4", 2), ("flags", "i4"), ("clip_start", "i4"), ("clip_count", "i4"),
+        ("sheet", "f8", 3), ("face", "f8", (2, 3)), ("centre", "i4", 2), ("flags", "i4"), ("placed", "i4"),
+        ("clip_start", "i4", 4), ("clip_count", "i4", 4),
     ],
     align=True,
 )  # fmt: skip
-CLIP_BYTES: Final = 8 * 6
+CLIP: Final = np.dtype([("offset", "f8", 3), ("slope", "f8", 3)])
+PLANE: Final = np.dtype([("lead", "f8", 3), ("cluster", "i4")], align=True)
 _STEPS: Final = 65535.0
 
 
@@ -86,8 +88,10 @@ class Visible:
         box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
         nearest: (m,) float64, lower bounds of the depth of each slot and all behind it, world units, ascending.
         record: (m,) int32, row of `simple`, or ~row of `general`.
-        simple, simple_normals, general: records, of SIMPLE, SIMPLE_NORMAL and GENERAL.
-        clips: device array of the clip planes' records.
+        simple, simple_normals, general, clips: records, of SIMPLE, SIMPLE_NORMAL, GENERAL and CLIP.
+        place: (m, 4) int32 by slot and kind of hit (kernels/candidates.h): the row of `planes`, -1 where nothing is
+            known. Surfaces of one place are the same set of points, and tie where both are hit.
+        planes: what is known of places, of PLANE.
         unit: power of two near the scene's depth; records hold t / unit.
     """
 
@@ -98,7 +102,9 @@ class Visible:
     simple: NDArray[Any]
     simple_normals: NDArray[Any]
     general: NDArray[Any]
-    clips: "pyopencl.Buffer"
+    clips: NDArray[Any]
+    place: NDArray[np.int32]
+    planes: NDArray[Any]
     unit: float
 
 
@@ -139,7 +145,7 @@ class Setup:
         simple = queue.kept("simple", len(rows), SIMPLE)
         simple_normals = queue.kept("simple_normals", len(rows), SIMPLE_NORMAL)
         general = queue.kept("general", len(seen) - len(rows), GENERAL)
-        clips = queue.empty(CLIP_BYTES * len(quadrics.clip))
+        clips = np.empty(len(quadrics.clip), dtype=CLIP)
         orthographic = np.int32(view.orthographic)
         if len(rows):
             open_rows = queue.kept("open_rows", len(rows), np.uint8)
@@ -162,10 +168,12 @@ class Setup:
                       queue.in_place(general))  # fmt: skip
         if len(quadrics.clip):
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
-                      queue.read_only(quadrics.clip), rays, np.float64(unit), clips)  # fmt: skip
+                      queue.read_only(quadrics.clip), rays, np.float64(unit), queue.in_place(clips))  # fmt: skip
         # Of this slot and all behind it: casting stops by it.
         nearest = np.minimum.accumulate(nearest[seen][::-1])[::-1]
-        return Visible(seen, box.take(seen, axis=0), nearest, record, simple, simple_normals, general, clips, unit)
+        place, planes = np.full((len(seen), 4), -1, dtype=np.int32), np.empty(0, dtype=PLANE)
+        return Visible(seen, box.take(seen, axis=0), nearest, record, simple, simple_normals, general, clips, place,
+                       planes, unit)  # fmt: skip
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool

@@ -76,7 +76,7 @@ class BoundsProbe:
         values = np.zeros((len(pixels), ROW))
         records = visible.general if general else visible.simple
         buffers = [self._queue.read_only(array) for array in (pixels, rows.astype(np.int32), records)]
-        clips = [visible.clips] if general else []
+        clips = [self._queue.read_only(visible.clips)] if general else []
         kernel = self._general if general else self._simple
         self._queue.run_grid(kernel, (len(pixels), 1), *buffers, *clips, self._queue.in_place(values))
         return values

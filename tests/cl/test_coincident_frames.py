@@ -1,15 +1,21 @@
-"""Surfaces that coincide over a whole frame are settled once, not pixel by pixel.
+"""What ties over a whole frame is settled once, not pixel by pixel: equal surfaces, and planes that meet planes.
 
 Work is counted, not timed: a pixel that exact arithmetic decides takes some 0.1 ms, so a thousandth of a frame of two
 million is a fraction of a second.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from conicoid.engine import Frame, Renderer
+from conicoid.scene import Scene
+from tests.oracle.answers import answers
+from tests.oracle.promise import broken
 from tests.scenes import as_scene
 from tests.scenes.catalogue import Document, document
+from tests.scenes.floods import FLOODS, flood
 
 WIDTH, HEIGHT = 1920, 1080
 FEW = WIDTH * HEIGHT // 1000
@@ -60,3 +66,21 @@ def test_a_frame_of_ties_goes_to_the_first(name: str, renderer: Renderer) -> Non
     assert frame.settled <= FEW
     assert np.count_nonzero(frame.planes["id"] == 1) > WIDTH * HEIGHT // 2
     assert not np.any(frame.planes["id"] > 1)
+
+
+@pytest.mark.parametrize("name", FLOODS)
+def test_a_flood_of_ties_is_settled_once(name: str, renderer: Renderer) -> None:
+    scene = as_scene(flood(name, (WIDTH, HEIGHT)))
+    frame = renderer.render(scene)
+    assert frame.settled <= FEW
+    for x in (100, WIDTH // 2 - 3, WIDTH - 500):
+        for y in (50, HEIGHT // 2 - 2, HEIGHT - 200):
+            judge(frame, scene, (x, y, x + 6, y + 4))
+
+
+def judge(frame: Frame, scene: Scene, window: tuple[int, int, int, int]) -> None:
+    """Holds a window of a frame to the exact image."""
+    x0, y0, x1, y1 = window
+    truth = answers(replace(scene, camera=replace(scene.camera, crop=window)))
+    wrong = broken({name: plane[y0:y1, x0:x1] for name, plane in frame.planes.items()}, truth)
+    assert not wrong, window

@@ -2,6 +2,7 @@
 
 from tests.scenes import (
     stress_extent,
+    stress_flat,
     stress_forms,
     stress_mix,
     stress_order,
@@ -14,6 +15,7 @@ from tests.scenes.stress import STRESS
 __all__ = [
     "STRESS",
     "stress_extent",
+    "stress_flat",
     "stress_forms",
     "stress_mix",
     "stress_order",

@@ -10,7 +10,12 @@ cleared, and its roots are surds (p + k sqrt(s))/q. Comparing two of them, or on
 
 from conicoid.exact.forms import ExactForms, RationalPolynomial
 from conicoid.exact.pixel import ExactPixel
+from conicoid.exact.planes import FlatPiece, FlatPieces, SeenPlane
+from conicoid.exact.polynomial import Linear
 from conicoid.exact.quadric import CAP_HIGH, CAP_LOW, SURFACE
 from conicoid.exact.scene import ExactScene
 
-__all__ = ["CAP_HIGH", "CAP_LOW", "SURFACE", "ExactForms", "ExactPixel", "ExactScene", "RationalPolynomial"]
+__all__ = [
+    "CAP_HIGH", "CAP_LOW", "SURFACE", "ExactForms", "ExactPixel", "ExactScene", "FlatPiece", "FlatPieces", "Linear",
+    "RationalPolynomial", "SeenPlane",
+]  # fmt: skip

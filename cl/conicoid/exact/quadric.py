@@ -6,6 +6,7 @@ from typing import Final
 from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 
 from conicoid.exact.forms import ExactForms, RationalPolynomial, cap_conic, discriminant
+from conicoid.exact.planes import FlatPiece, FlatPieces, SeenPlane, factors, plane_key
 from conicoid.exact.polynomial import Linear, Quadratic
 from conicoid.exact.rationals import affine_matrix, exact, exact_matrix, primitive, sign
 from conicoid.exact.rays import AlongRays, ExactRays
@@ -52,10 +53,12 @@ class ExactQuadric:
     @cached_property
     def clips(self) -> list[AlongRays]:
         """Half-spaces that keep points, as `range`."""
+        return self._rays.along(self._half_spaces) if self._half_spaces.nrows() else []
+
+    @cached_property
+    def _half_spaces(self) -> fmpz_mat:
         start, stop = self._quadrics.clip_start[self._index : self._index + 2].tolist()
-        if start == stop:
-            return []
-        return self._rays.along(exact_matrix(self._quadrics.clip[start:stop]).numer_denom()[0])
+        return exact_matrix(self._quadrics.clip[start:stop]).numer_denom()[0]
 
     # Rows of world coefficients over their denominators: X3 = z/c, and X3 - z0/c, X3 - z1/c with a z_range.
 
@@ -88,13 +91,45 @@ class ExactQuadric:
 
         Coefficients up to a factor: four of a plane, where f is a linear function or the square of one, else ten.
         """
-        if kind == SURFACE:
-            form = self._form.tolist()
-            terms = _plane_of(form) or [form[i][j] for i in range(4) for j in range(i, 4)]
-        else:
-            terms = self._ends[kind - CAP_LOW][0].entries()
-        leading = next(sign(term) for term in terms if term)
-        return tuple(leading * term for term in primitive(terms))
+        if kind != SURFACE:
+            return plane_key(self._ends[kind - CAP_LOW][0].entries())
+        planes = factors(self._form)[1]
+        return plane_key(planes[0] if len(planes) == 1 else [self._form[i, j] for i in range(4) for j in range(i, 4)])
+
+    def flat_pieces(self, depths: list[SeenPlane]) -> FlatPieces:
+        """The sheets of a pair of planes or of one, and the caps; `depths` are half-spaces that keep points."""
+        rays = self._rays
+        side, planes = factors(self._form)
+        ends = [end for end, _ in self._ends]
+        closed = [*depths, *rays.planes(self._half_spaces)]
+        within = [half_space for end, way in zip(ends, (1, -1), strict=False) for half_space in rays.planes(end * way)]
+        sheets = [self._flat_piece(plane, closed + within) for plane in planes]
+        caps = list[FlatPiece | None]()
+        if self.capped:
+            # One within a sheet is never first.
+            keys = {plane_key(plane) for plane in planes}
+            rows = [end.entries() for end in ends]
+            caps = [None if plane_key(row) in keys else self._flat_piece(row, closed) for row in rows]
+        turn, faces = None, list[list[fmpz]]()
+        if len(planes) == 2:
+            first, second = rays.planes(fmpz_mat(planes))
+            way = -1 if rays.orthographic else 1
+            turn = Linear(*[way * side * value for value in first.crossed(second)])
+            # Against the slope, which has the sign of -fixed (pinhole) or fixed.
+            normals = (rays.target_from_world * fmpz_mat(planes).transpose()).transpose().tolist()
+            faces = [
+                [way * sign(seen.fixed) * axis for axis in normal]
+                for seen, normal in zip((first, second), normals, strict=True)
+            ]
+        return FlatPieces(sheets, caps, turn, faces)
+
+    def _flat_piece(self, plane: list[fmpz], half_spaces: list[SeenPlane]) -> FlatPiece | None:
+        (seen,) = self._rays.planes(fmpz_mat([plane]))
+        # A plane through the eye, or along parallel rays, is met nowhere.
+        if not seen.fixed:
+            return None
+        lines = [half_space.keeps(seen) for half_space in half_spaces]
+        return FlatPiece(plane_key(plane), seen, [line for line in lines if any(line)])
 
     def forms(self) -> ExactForms:
         """The polynomials behind the integers, in pixels and to the scale of the scene's numbers."""
@@ -132,15 +167,3 @@ def _object_form(quadrics: Quadrics, index: int) -> fmpq_mat:
     form[2, 3] = form[3, 2] = fmpq(shape.linear_z, 2)
     form[3, 3] = fmpq(shape.constant)
     return form
-
-
-def _plane_of(form: list[list[fmpz]]) -> list[fmpz] | None:
-    """The plane where a form vanishes, if it is a linear function or the square of one."""
-    if not any(term for row in form[:3] for term in row[:3]):
-        return [2 * form[0][3], 2 * form[1][3], 2 * form[2][3], form[3][3]]
-    pivot = next((row for row, line in enumerate(form) if line[row]), None)
-    if pivot is None:
-        return None
-    line = form[pivot]
-    is_square = all(form[i][j] * line[pivot] == line[i] * line[j] for i in range(4) for j in range(i, 4))
-    return line if is_square else None

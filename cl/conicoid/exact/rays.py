@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from flint import fmpq_mat, fmpz, fmpz_mat
+from flint import fmpq, fmpq_mat, fmpz, fmpz_mat
 
+from conicoid.exact.planes import SeenPlane
 from conicoid.exact.polynomial import Linear, Quadratic
 from conicoid.exact.rationals import affine_matrix, exact, primitive
 from conicoid.scene import Camera, Output
@@ -58,6 +59,17 @@ class ExactRays:
         """Offset and slope of one row of a product with the matrix of rays."""
         fixed, moving = Linear(fmpz(0), fmpz(0), row[0]), Linear(*row[1:])
         return (moving, fixed) if self.orthographic else (fixed, moving)
+
+    def planes(self, functions: fmpz_mat) -> list[SeenPlane]:
+        """Affine functions of the world (rows of x, y, z and constant coefficients)."""
+        return [SeenPlane(fixed, Linear(*moving)) for fixed, *moving in (functions * self.in_world).tolist()]
+
+    def depth_beyond(self, depth: fmpq) -> SeenPlane:
+        """The function t - depth."""
+        zero = fmpz(0)
+        offset, slope = -depth.p, depth.q
+        fixed, moving = (slope, offset) if self.orthographic else (offset, slope)
+        return SeenPlane(fixed, Linear(zero, zero, moving))
 
     def quadratic(self, form: fmpz_mat) -> tuple[Quadratic, Linear, Quadratic]:
         """a, b, c with a t^2 + 2b t + c = f scale^2, where f is the world's symmetric 4x4 form."""

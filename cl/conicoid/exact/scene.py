@@ -9,6 +9,8 @@ from flint import fmpz
 from conicoid.exact.forms import ExactForms
 from conicoid.exact.hits import Depths, Hit, kept_hits
 from conicoid.exact.pixel import ExactPixel
+from conicoid.exact.planes import FlatPieces, SeenPlane
+from conicoid.exact.polynomial import Linear
 from conicoid.exact.quadric import ExactQuadric
 from conicoid.exact.rationals import exact, sign
 from conicoid.exact.rays import ExactRays
@@ -88,6 +90,10 @@ class ExactScene:
         """An equation of one surface, or of a cap's plane, in a form that equal sets of points share."""
         return self._quadric(quadric).surface_key(kind)
 
+    def flat_pieces(self, quadric: int) -> FlatPieces:
+        """The planes and caps of one quadric."""
+        return self._quadric(quadric).flat_pieces(self._depth_planes)
+
     def _quadric(self, index: int) -> ExactQuadric:
         if index not in self._quadrics:
             self._quadrics[index] = ExactQuadric(self._rays, self._scene.quadrics, index)
@@ -101,6 +107,15 @@ class ExactScene:
     def _depths(self) -> Depths:
         near, far = float(self._scene.camera.near), float(self._scene.camera.far)
         return Depths(exact(near), None if far == float("inf") else exact(far))
+
+    @cached_property
+    def _depth_planes(self) -> list[SeenPlane]:
+        near, far = self._depths
+        beyond = [self._rays.depth_beyond(near)] if near else []
+        if far is not None:
+            fixed, moving = self._rays.depth_beyond(far)
+            beyond.append(SeenPlane(-fixed, Linear(*[-value for value in moving])))
+        return beyond
 
     @cached_property
     def _background(self) -> float:

@@ -1,5 +1,6 @@
 // Every place where a ray can meet a general quadric: both roots of the surface and both caps.
 
+// Kinds of hits. With SHEETS the first two are the first and the second sheet instead.
 #define ROOT_C 0    // t = c/q, q = -b - sign(b) sqrt(S): the nearer of two positive roots, as |q| is the larger
 #define ROOT_A 1    // t = q/a
 #define CAP_LOW 2
@@ -10,10 +11,15 @@ typedef struct {
     linear b;
     linear range[2], height;    // X3 - z/c at both ends; Y3
     quadratic cap[2];
-    int flags, clip_count;
+    linear sheet;
+    int flags, placed;
+    __global const int *clip_start, *clip_count;    // by kind
     __global const clip_record *clips;
     double tile_u, tile_v;      // absolute pixels, for the clips
     real near, far;
+#if EXACT
+    places where;
+#endif
 } general_tile;
 
 typedef struct {
@@ -21,6 +27,7 @@ typedef struct {
     mask kind;          // of the first
 #if EXACT
     reals first_error, last_error;  // bounds of their absolute errors
+    mask last_kind;
     mask doubt;         // some decision is within its error bound
 #endif
 } hits;
@@ -72,8 +79,12 @@ static inline general_tile move_general(__global const general_record *r, __glob
         }
         g.height = move_linear(r->y[2], du, dv);
     }
-    g.clips = clips + r->clip_start;
+    if (g.flags & SHEETS)
+        g.sheet = move_linear(r->sheet, du, dv);
+    g.placed = r->placed;
+    g.clip_start = r->clip_start;
     g.clip_count = r->clip_count;
+    g.clips = clips;
     g.tile_u = tile_u;
     g.tile_v = tile_v;
     g.near = near;
@@ -82,6 +93,13 @@ static inline general_tile move_general(__global const general_record *r, __glob
     add_setup_noise(&g, r, du, dv);
 #endif
     return g;
+}
+
+// With f = k (e + g t)(e' + g' t), `sheet` is k (e g' - e' g), twice a signed root of S: where it has the sign of b,
+// q = -k e g' and so q/a = -e/g.
+static inline mask first_sheet_is_a(const general_tile *g, reals b, reals x, real y)
+{
+    return ~((at_linear(g->sheet, x, y) < 0) ^ (b < 0));
 }
 
 // Keeps the lanes of `kept` where value >= 0 (NaN drops), and notes those that the error leaves open.
@@ -95,12 +113,14 @@ static inline general_tile move_general(__global const general_record *r, __glob
 #define KEEP(kept, doubt, value, error) kept &= (value) >= 0
 #endif
 
-static inline mask in_depth(const general_tile *g, reals t, reals error, mask kept, mask *doubt)
+static inline mask in_depth(const general_tile *g, int kind, reals t, reals error, mask kept, mask *doubt)
 {
     // A root beyond all numbers is none; written so that a NaN is not kept.
     kept &= magnitude(t) < INFINITY;
     KEEP(kept, *doubt, t, 2 * error);
     kept &= t > 0;
+    if (g->placed & (1 << kind))
+        return kept;
     if (g->near > 0)
         KEEP(kept, *doubt, t - g->near, error + 2 * (real)UNIT_ROUNDOFF * g->near);
     if (g->far < INFINITY)
@@ -108,11 +128,13 @@ static inline mask in_depth(const general_tile *g, reals t, reals error, mask ke
     return kept;
 }
 
-static inline mask in_clips(const general_tile *g, reals t, reals error, reals x, real y, mask kept, mask *doubt)
+static inline mask in_clips(const general_tile *g, int kind, reals t, reals error, reals x, real y, mask kept,
+                            mask *doubt)
 {
-    for (int k = 0; k < g->clip_count; k++) {
-        linear offset = move_linear(g->clips[k].offset, g->tile_u, g->tile_v);
-        linear slope = move_linear(g->clips[k].slope, g->tile_u, g->tile_v);
+    __global const clip_record *clip = g->clips + g->clip_start[kind];
+    for (int k = 0; k < g->clip_count[kind]; k++, clip++) {
+        linear offset = move_linear(clip->offset, g->tile_u, g->tile_v);
+        linear slope = move_linear(clip->slope, g->tile_u, g->tile_v);
         reals along = at_linear(slope, x, y);
         reals value = at_linear(offset, x, y) + along * t;
         KEEP(kept, *doubt, value,
@@ -134,19 +156,41 @@ static inline mask in_range(const general_tile *g, reals t, reals error, reals x
     return kept;
 }
 
-static inline void take(hits *h, mask kept, reals t, reals error, int kind)
-{
 #if EXACT
-    // Which of two hits comes first must be clear, unless both are equal by construction (the caller's case).
-    h->doubt |= kept & (h->first < INFINITY) & (magnitude(t - h->first) <= error + h->first_error);
-    h->doubt |= kept & (h->last > 0) & (magnitude(t - h->last) <= error + h->last_error);
-    h->first_error = (kept & (t < h->first)) ? error : h->first_error;
-    h->last_error = (kept & (t > h->last)) ? error : h->last_error;
+// Which of two hits comes first must be clear, from their depths or from where their planes are: tells whether this one
+// is before the others, where they tie.
+__attribute__((noinline)) static mask before(const general_tile *g, reals x, real y, mask tied, int kind, mask others,
+                                             mask nearer, mask *doubt)
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        if (!LANE(integer, tied, lane))
+            continue;
+        int other = (int)LANE(integer, others, lane);
+        int order = nearer_place(g->where, g->where.of[other], g->where.of[kind],
+                                 g->tile_u + LANE(real, x, lane), g->tile_v + y);
+        LANE(integer, *doubt, lane) |= order == OPEN ? -1 : 0;
+        LANE(integer, nearer, lane) = order == NEARER ? -1 : 0;
+    }
+    return nearer;
+}
 #endif
-    mask nearer = kept & (t < h->first);
+
+static inline void take(hits *h, const general_tile *g, reals x, real y, mask kept, reals t, reals error, int kind)
+{
+    mask nearer = kept & (t < h->first), farther = kept & (t > h->last);
+#if EXACT
+    mask tied = kept & (h->first < INFINITY) & (magnitude(t - h->first) <= error + h->first_error);
+    mask tied_last = kept & (h->last > 0) & (magnitude(t - h->last) <= error + h->last_error);
+    if (some(tied | tied_last)) {
+        nearer = before(g, x, y, tied, kind, h->kind, nearer, &h->doubt);
+        farther = ~before(g, x, y, tied_last, kind, h->last_kind, ~farther, &h->doubt);
+    }
+    h->first_error = nearer ? error : h->first_error;
+    h->last_error = farther ? error : h->last_error;
+    h->last_kind = farther ? (mask)(kind) : h->last_kind;
+#endif
     h->first = nearer ? t : h->first;
     h->kind = nearer ? (mask)(kind) : h->kind;
-    mask farther = kept & (t > h->last);
     h->last = farther ? t : h->last;
 }
 
@@ -165,6 +209,7 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
     mask real_roots = s >= 0;
 #if EXACT
     h.first_error = h.last_error = (reals)(0);
+    h.last_kind = (mask)(0);
     h.doubt = (mask)(0);
     real_roots = ~(s < -g->s.error);
 #endif
@@ -194,10 +239,24 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
         kept[ROOT_A] &= (g->s.error > 0 ? (mask)(-1) : (mask)(s != 0));
         // Negated, so that numbers out of range, and their bounds, are in doubt too.
         doubt = real_roots & ~((s >= CLEAR * g->s.error) & (size_a >= CLEAR * g->a.error) & (size_q >= CLEAR * q_error));
+        if (g->flags & SHEETS) {
+            mask swapped = first_sheet_is_a(g, b, x, y);
+            reals t_c = t[0], error_c = error[0];
+            t[0] = swapped ? t[1] : t_c;
+            t[1] = swapped ? t_c : t[1];
+            error[0] = swapped ? error[1] : error_c;
+            error[1] = swapped ? error_c : error[1];
+            doubt |= real_roots & ~(magnitude(at_linear(g->sheet, x, y)) >= g->sheet.error);
+        }
+        for (int k = 0; k < 2; k++)
+            if (g->placed & (16 << k))
+                kept[k] = (mask)(0);
 #endif
     }
     if (g->flags & HAS_CAPS)
         for (int side = 0; side < ((g->flags & FLAT) ? 1 : 2); side++) {
+            if (g->placed & (16 << (CAP_LOW + side)))
+                continue;
             reals inside = -at_quadratic(g->cap[side], x, y);
             mask in_disc = inside >= 0;
 #if EXACT
@@ -218,12 +277,12 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals x,
             count++;
         }
     for (int k = 0; k < count; k++) {
-        kept[k] = in_depth(g, t[k], error[k], kept[k], &doubt);
-        if ((g->flags & HAS_RANGE) && kind[k] < CAP_LOW)
+        kept[k] = in_depth(g, kind[k], t[k], error[k], kept[k], &doubt);
+        if ((g->flags & HAS_RANGE) && kind[k] < CAP_LOW && !(g->placed & (1 << kind[k])))
             kept[k] = in_range(g, t[k], error[k], x, y, kept[k], &doubt);
-        if (g->clip_count > 0 && some(kept[k]))
-            kept[k] = in_clips(g, t[k], error[k], x, y, kept[k], &doubt);
-        take(&h, kept[k], t[k], error[k], kind[k]);
+        if (g->clip_count[kind[k]] > 0 && some(kept[k]))
+            kept[k] = in_clips(g, kind[k], t[k], error[k], x, y, kept[k], &doubt);
+        take(&h, g, x, y, kept[k], t[k], error[k], kind[k]);
     }
 #if EXACT
     h.doubt |= doubt;

@@ -12,10 +12,10 @@ static inline real farthest_key(const tile_state *tile)
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void cast_tiles(__global const frame *f, __global const int *tile_end, __global const int *list,
                 __global const int4 *box, __global const double *nearest_key, __global const int *record_of,
-                __global const int *document_order, __global const int *surface_class, __global const uint *id,
+                __global const int *document_order, __global const int *place_of, __global const uint *id,
                 __global const simple_record *simple, __global const simple_normal_record *simple_normals,
-                __global const general_record *general,
-                __global const clip_record *clips, __global float *planes, __global uint *ids,
+                __global const general_record *general, __global const clip_record *clips,
+                __global const plane_record *known, __global float *planes, __global uint *ids,
                 __global int *doubt_count, __global doubtful_pixel *doubts)
 {
     int tile_index = get_global_id(1) * f->columns + get_global_id(0);
@@ -41,8 +41,10 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
     }
     lists in = {.u0 = u0, .v0 = v0, .orthographic = f->orthographic, .want_back = f->channels & WANT_ZBACK,
                 .near = (real)f->near, .far = (real)f->far, .record_of = record_of, .document_order = document_order,
-                .surface_class = surface_class, .simple = simple, .simple_normals = simple_normals, .general = general,
-                .clips = clips};
+                .simple = simple, .simple_normals = simple_normals, .general = general, .clips = clips};
+#if EXACT
+    in.where = (places){place_of, known};
+#endif
     for (int lane = 0; lane < LANES; lane++)
         LANE(real, in.ramp, lane) = lane + (real)0.5 - TILE / 2;
 
@@ -63,6 +65,9 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
         } else {
             general_tile g = move_general(general + ~record, clips, u0 + TILE / 2, v0 + TILE / 2, in.near, in.far);
             in.general_count++;
+#if EXACT
+            g.where = (places){place_of + 4 * slot, known};
+#endif
             stale |= cast_general(&tile, &g, slot, box[slot], &in);
         }
         hit |= stale;

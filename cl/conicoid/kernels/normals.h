@@ -9,7 +9,7 @@ typedef struct {
 
 typedef struct {
     linear x[3], y[3], moment[3];
-    real form[10], map[3][3];
+    real form[10], map[3][3], face[2][3];
 #if EXACT
     real floor, root, root_error;    // the error of a component: floor + root sqrt(S) + root_error (its error)
     real rounding;                      // and, once scaled to size 1, this
@@ -64,11 +64,31 @@ static inline general_normal move_general_normal(__global const general_record *
     }
     for (int k = 0; k < 10; k++)
         m.form[k] = (real)r->form[k];
+    for (int k = 0; k < 6 && (r->flags & SHEETS); k++)
+        m.face[k / 3][k % 3] = (real)r->face[k / 3][k % 3];
 #if EXACT
     bound_general_normal(&m, r, du, dv);
 #endif
     return m;
 }
+
+#if EXACT
+// With f = k L L' the gradient on L = 0 is k L' times that of L, and k L' there is -`sheet` over the slope of L; on
+// L' = 0 it is +`sheet` over the slope of L'.
+static inline vector3 sheet_normal_at(const general_tile *g, const general_normal *m, mask kind, int outward, reals x,
+                                      real y, vector3 cap)
+{
+    mask first = kind == 0, is_cap = kind >= CAP_LOW;
+    mask inward = (at_linear(g->sheet, x, y) < 0) ^ ~first;
+    reals turn = (outward ? inward : (mask)(0)) ? (reals)(-1) : (reals)(1);
+    vector3 n;
+    n.x = is_cap ? cap.x : turn * (first ? (reals)(m->face[0][0]) : (reals)(m->face[1][0]));
+    n.y = is_cap ? cap.y : turn * (first ? (reals)(m->face[0][1]) : (reals)(m->face[1][1]));
+    n.z = is_cap ? cap.z : turn * (first ? (reals)(m->face[0][2]) : (reals)(m->face[1][2]));
+    n.error = is_cap ? cap.error : (reals)(2 * UNIT_ROUNDOFF);
+    return n;
+}
+#endif
 
 // The gradient at t = q/a is along D(aX - bY - sign(b) sqrt(S) Y), at t = c/q along D(cY - bX - sign(b) sqrt(S) X),
 // with aX - bY = sum_k (DY)_k L_ik and cY - bX = -sum_k (DX)_k L_ik: nothing cancels far from the origin.
@@ -149,6 +169,8 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     // One whose components all vanish, or seem to, is in doubt.
     n.error = length > 0 ? n.error : (reals)(1);
     n.error = (cap | ((g->flags & SINGULAR) ? (mask)(-1) : (mask)(0))) ? (reals)(0) : n.error;
+    if (g->flags & SHEETS)
+        n = sheet_normal_at(g, m, kind, outward, px, py, n);
 #endif
     return n;
 }

@@ -7,24 +7,18 @@ typedef struct {
     int orthographic, want_back;
     int general_count;      // of the tile's candidates so far
     real near, far;
-    __global const int *record_of, *document_order, *surface_class;
+    __global const int *record_of, *document_order;
     __global const simple_record *simple;
     __global const simple_normal_record *simple_normals;
     __global const general_record *general;
     __global const clip_record *clips;
+#if EXACT
+    places where;
+#endif
 } lists;
 
-#if EXACT
-// Surfaces of one class are one set of points: where both are hit they tie, whatever rounding says. -1: of its own.
-static inline int same_class(__global const int *surface_class, int first, int second)
-{
-    int a = surface_class[3 * (first >> 2) + max((first & 3) - 1, 0)];
-    return a >= 0 && a == surface_class[3 * (second >> 2) + max((second & 3) - 1, 0)];
-}
-#endif
-
 // Where keys tie the earlier quadric of the document wins. In EXACT casting a tie is a difference within the errors of
-// both keys; only surfaces of one class may tie without doubt.
+// both keys; only surfaces whose places are known may tie without doubt.
 __attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, mask tied, mask better, mask challenger,
                                                   const lists *in)
 {
@@ -35,11 +29,17 @@ __attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, ma
         if (old == MISS)
             continue;
 #if EXACT
-        if (!same_class(in->surface_class, old, new)) {
+        double u = in->u0 + cell % VECTORS * LANES + lane + 0.5, v = in->v0 + cell / VECTORS + 0.5;
+        int order = nearer_place(in->where, in->where.of[old], in->where.of[new], u, v);
+        if (order == OPEN) {
             integer rival = LANE(integer, better, lane) ? old : new;
             integer reasons = LANE(integer, tile->doubt[cell], lane) & 0xff;
             LANE(integer, tile->doubt[cell], lane) = (rival + 1) << 32 | reasons | DOUBT_HIT;
             tile->doubtful = 1;
+            continue;
+        }
+        if (order != SAME) {
+            LANE(integer, better, lane) = order == NEARER ? -1 : 0;
             continue;
         }
 #endif

@@ -51,10 +51,15 @@ typedef struct {
     double fixed_norm, moving_norm[LINEAR];
     double moment_norm[LINEAR]; // of the six Pluecker coordinates, after cancelling
     double form_sum, spatial_sum, compound_sum;  // sums of |Dij|, of those with i, j <= 3, of D's |2x2 minors|
+    // With SHEETS: what tells which root is which, and the sheets' normals that face the eye.
+    double sheet[LINEAR];
+    double face[2][3];
     int centre[2];
     int flags;
-    int clip_start;
-    int clip_count;
+    // By kind of hit (candidates.h). A flat piece whose half-spaces exact arithmetic has reduced to lines across the
+    // image is `placed`: its bit, and 16 times its bit where it is never seen; its list holds those lines alone.
+    int placed;
+    int clip_start[4], clip_count[4];
 } general_record;
 
 #define HAS_RANGE 1
@@ -63,9 +68,17 @@ typedef struct {
 #define SINGULAR 8      // the gradient vanishes at every real point: double planes, lines, points
 #define FLAT 16         // z0 = z1: both caps are one, and the first wins
 #define ORTHOGRAPHIC 32
+#define SHEETS 64       // two placed planes: the kinds of the roots mean the first and the second
 
 // A half-space as seen along the rays: (n.X + d) + t (n.Y) >= 0, linear in absolute pixels.
 typedef struct {
     double offset[LINEAR];
     double slope[LINEAR];
 } clip_record;
+
+// A plane among planes that nearly coincide on the image: its key, less that of the first of its cluster, in absolute
+// pixels. Equal places are one set of points.
+typedef struct {
+    double lead[LINEAR];
+    int cluster;                // -1: nothing is known
+} plane_record;

@@ -168,8 +168,11 @@ void set_up_general(int count, __global const int *list, __global const double *
         r->centre[1] = centre[lane].y;
         r->flags = form_flags[q] | (isfinite(z_range[2 * q]) ? HAS_RANGE : 0) | (capped[q] ? HAS_CAPS : 0) |
                    (z_range[2 * q] == z_range[2 * q + 1] ? FLAT : 0) | (orthographic ? ORTHOGRAPHIC : 0);
-        r->clip_start = clip_start[q];
-        r->clip_count = clip_start[q + 1] - clip_start[q];
+        r->placed = 0;
+        for (int kind = 0; kind < 4; kind++) {
+            r->clip_start[kind] = clip_start[q];
+            r->clip_count[kind] = clip_start[q + 1] - clip_start[q];
+        }
     }
 }
 
