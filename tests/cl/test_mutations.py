@@ -44,9 +44,9 @@ BOUNDS: dict[str, list[Edit]] = {
     "polynomials' bounds over 16": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (15.0 / 16.0")],
     "no bounds of polynomials": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (0x1p-60")],
 }
-SIMPLE_S = "double4 s_error = 22.0 * UNIT_ROUNDOFF"
+SIMPLE_S = "r->s_error = in_range ? AT(s_error, lane)"
 PIXELS: dict[str, list[Edit]] = {
-    "no bound of a simple S": [("simple_forms.h", SIMPLE_S, "double4 s_error = 0x1p-100")],
+    "no bound of a simple S": [("simple_forms.h", SIMPLE_S, "r->s_error = in_range ? 0.0")],
     "no clearance of a simple root": [("simple.h", "8.01 * r->s_error", "0 * r->s_error")],
     "no bounds": BOUNDS["no bounds"],
     "no bounds of polynomials": BOUNDS["no bounds of polynomials"],
