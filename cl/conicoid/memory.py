@@ -30,7 +30,8 @@ class Queue:
         if name not in self._kept or len(self._kept[name]) < size + _ALIGNMENT:
             self._kept[name] = np.empty(size + _ALIGNMENT, dtype=np.uint8)
         start = -self._kept[name].ctypes.data % _ALIGNMENT
-        return self._kept[name][start : start + size].view(dtype).reshape(shape)
+        array: NDArray[Any] = self._kept[name][start : start + size].view(dtype).reshape(shape)
+        return array
 
     def read_only(self, array: NDArray[Any]) -> "pyopencl.Buffer":
         """A buffer that reads `array` (made contiguous if it is not); empty arrays give one unused byte."""
