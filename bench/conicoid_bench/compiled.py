@@ -63,7 +63,7 @@ class Numba:
 
         ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
         build()
-        return Job(run, lambda _: Picture(depth.copy(), ids[seen + 1], normal.copy()), build=build)
+        return Job(run, lambda _: Picture(depth.copy(), ids[seen + 1], normal.copy()), build)
 
 
 def parallel(step: Step) -> Step:
@@ -72,12 +72,12 @@ def parallel(step: Step) -> Step:
 
     compiled = numba.njit(step, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 
-    @numba.njit(parallel=True)  # type: ignore[untyped-decorator]
     def every(count: int, *arguments: Any) -> None:
         for k in numba.prange(count):
             compiled(k, *arguments)
 
-    return every  # type: ignore[no-any-return]
+    spread: Step = numba.njit(every, parallel=True)
+    return spread
 
 
 def serial(step: Step) -> Step:

@@ -1,17 +1,15 @@
 """Embree, by the program that bench/embree is the source of: scene in a file, commands and times through pipes."""
 
-import os
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
 from typing import Self
 
 import numpy as np
 
 from conicoid.scene import Scene
 from conicoid_bench.picture import Picture
-from conicoid_bench.whole import more_than_whole, moved_camera, records
+from conicoid_bench.whole import records
 
 
 class PeerFailed(Exception):
@@ -26,6 +24,7 @@ class EmbreeProcess:
     """
 
     def __init__(self, program: Path, scene: Scene) -> None:
+        self._program = program
         self._folder = TemporaryDirectory()
         self._ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
         self._shape = scene.camera.height, scene.camera.width
@@ -36,7 +35,7 @@ class EmbreeProcess:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: type[BaseException] | BaseException | TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self._process.communicate()
         self._folder.cleanup()
 
@@ -60,7 +59,7 @@ class EmbreeProcess:
         except BrokenPipeError:
             answer = ""
         if not answer:
-            raise PeerFailed(f"{os.fspath(self._process.args[0])} ended with status {self._process.wait()}")
+            raise PeerFailed(f"{self._program} ended with status {self._process.wait()}")
         return answer
 
 

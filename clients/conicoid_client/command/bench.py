@@ -24,8 +24,9 @@ def run(options: argparse.Namespace) -> None:
     if missing:
         raise Failure(f"conicoid bench needs {' and '.join(missing)}; install with: pip install 'conicoid[bench]'")
     from conicoid.errors import DeviceError
-    from conicoid_bench.error import WrongTruth, run
+    from conicoid_bench.error import run
     from conicoid_bench.files import write
+    from conicoid_bench.truth import WrongTruth
 
     try:
         results = run(scenes, options.checked, _say)
