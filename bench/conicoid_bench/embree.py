@@ -21,16 +21,19 @@ class EmbreeProcess:
 
     Args:
         program: the built `embree_ellipsoids`.
+        configuration: Embree's own, as in "isa=avx2".
     """
 
-    def __init__(self, program: Path, scene: Scene) -> None:
+    def __init__(self, program: Path, scene: Scene, configuration: str = "") -> None:
         self._program = program
         self._folder = TemporaryDirectory()
         self._ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
         self._shape = scene.camera.height, scene.camera.width
         path = Path(self._folder.name) / "scene"
         path.write_bytes(scene_file(scene))
-        self._process = subprocess.Popen([program, path], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._process = subprocess.Popen(
+            [program, path, configuration], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
 
     def __enter__(self) -> Self:
         return self

@@ -1,6 +1,7 @@
 """Scenes of whole spheres and ellipsoids seen from the origin, which is all that the fastest peers take."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from conicoid.scene import Floats, Scene
 from conicoid.shapes import SHAPES
@@ -8,10 +9,15 @@ from conicoid.shapes import SHAPES
 SPHERE, ELLIPSOID = ([shape.name for shape in SHAPES].index(name) for name in ("sphere", "ellipsoid"))
 
 
+def is_ball(scene: Scene) -> NDArray[np.bool_]:
+    """(n,) which are spheres or ellipsoids."""
+    return np.isin(scene.quadrics.shape, [SPHERE, ELLIPSOID])
+
+
 def more_than_whole(scene: Scene) -> str | None:
     """Why a scene is more than whole, rotated ellipsoids; None if it is not."""
     quadrics = scene.quadrics
-    if not np.isin(quadrics.shape, [SPHERE, ELLIPSOID]).all():
+    if not is_ball(scene).all():
         return "has other shapes"
     if np.isfinite(quadrics.z_range).any() or len(quadrics.clip):
         return "has ranges or clips"

@@ -1,8 +1,9 @@
 // Ellipsoids cast by Embree, a peer of `conicoid bench speed`: user geometry, packets as wide as the processor's
 // vectors, every core. As fast as we could make it, in binary32, and writing what Conicoid writes: Z and N.
 //
-//     embree_ellipsoids SCENE
+//     embree_ellipsoids SCENE [CONFIGURATION]
 //
+// CONFIGURATION is Embree's own, as in "isa=avx2,threads=1".
 // SCENE: int32 count, width, height, 0; float32 fx, fy, cx, cy; `count` records of 15 float32: centre, radii, and the
 // rotation's rows, in camera axes (looking down -z, +y up). Then a line of standard input at a time:
 //
@@ -174,8 +175,8 @@ template <int W> void cast(RTCScene scene, const Header &camera, Image &image, b
 
 class Peer {
   public:
-    Peer(const Header &camera, const std::vector<Source> &sources)
-        : camera_(camera), sources_(sources), ellipsoids_(sources.size()), device_(rtcNewDevice(nullptr))
+    Peer(const Header &camera, const std::vector<Source> &sources, const char *configuration)
+        : camera_(camera), sources_(sources), ellipsoids_(sources.size()), device_(rtcNewDevice(configuration))
     {
         size_t pixels = size_t(camera.width) * camera.height;
         image_ = {std::vector<float>(pixels), std::vector<float>(3 * pixels), std::vector<uint32_t>(pixels)};
@@ -256,14 +257,14 @@ double now_ms()
 
 int main(int count, char **arguments)
 {
-    std::ifstream file(count == 2 ? arguments[1] : "", std::ios::binary);
+    std::ifstream file(count > 1 ? arguments[1] : "", std::ios::binary);
     Header camera;
     if (!file.read(reinterpret_cast<char *>(&camera), sizeof camera))
         return 2;
     std::vector<Source> sources(camera.count);
     if (!file.read(reinterpret_cast<char *>(sources.data()), sources.size() * sizeof sources[0]))
         return 2;
-    Peer peer(camera, sources);
+    Peer peer(camera, sources, count > 2 ? arguments[2] : nullptr);
     for (std::string command; std::getline(std::cin, command);) {
         bool picture = command.rfind("picture ", 0) == 0;
         double start = now_ms();

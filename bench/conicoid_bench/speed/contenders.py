@@ -1,7 +1,7 @@
 """Everyone who takes part, behind one face: a lap sets up or builds, casts, and tells both times."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -149,7 +149,7 @@ def contenders(engine: Engine, embree: Path) -> tuple[list[Contender], dict[str,
     found: list[Contender] = [Ours(engine, precision) for precision in ("exact", "float64", "float32")]
     found.append(InProcess(Vectorised(_MOST_NUMPY)))
     missing = {}
-    others = {
+    others: dict[str, Callable[[], Contender]] = {
         "numba": lambda: InProcess(Numba()),
         "Mitsuba sphere": lambda: InProcess(Mitsuba("sphere")),
         "Mitsuba ellipsoids": lambda: InProcess(Mitsuba("ellipsoids"), raced=False),

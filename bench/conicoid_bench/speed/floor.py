@@ -27,10 +27,10 @@ class WriteOnly:
 
     Args:
         device: as for the engine.
-        width, height: pixels.
+        height, width: pixels.
     """
 
-    def __init__(self, device: str | None, width: int, height: int) -> None:
+    def __init__(self, device: str | None, height: int, width: int) -> None:
         self._queue = Queue(find_device(device))
         self._kernel = pyopencl.Program(self._queue.context, _FILL).build().fill_row
         self._rows, self._vectors = 4 * height, -(-width // _LANES)

@@ -1,11 +1,16 @@
 """What times grow with: number of quadrics, pixels, share of the image covered, surfaces behind each other."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import log2
+from itertools import pairwise
+from math import log2, log10
+from typing import Final
 
 from conicoid.scene import Scene
 from conicoid_bench.workloads import camera, ellipsoids, sphere_over
+
+_QUICK_QUADRICS: Final = 10**5
+_DIGITS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -17,26 +22,36 @@ class Sweep:
         axis: what is varied, and what is kept.
         values: ascending.
         scene: of each value.
+        label: how a value is written.
     """
 
     name: str
     axis: str
-    values: tuple[float, ...]
+    values: Sequence[float]
     scene: Callable[[float], Scene]
+    label: Callable[[float], str]
 
 
-def sweeps(quick: bool = False, most_quadrics: int = 10**6) -> Iterable[Sweep]:
-    """All, shorter where it must be quick."""
-    counts = [10**power for power in range(8) if 10**power <= min(most_quadrics, 10**5 if quick else most_quadrics)]
-    yield Sweep("quadrics", "ellipsoids that together have the image's area", tuple(counts),
-                lambda count: ellipsoids(int(count), 1.0))  # fmt: skip
-    sides = [64 << power for power in range(6 if quick else 8)]
-    yield Sweep("pixels", "pixels of a square image of 1,000 ellipsoids", tuple(side * side for side in sides), _square)
-    shares = (0.01, 0.04, 0.16, 0.64) if quick else (0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)
-    yield Sweep("coverage", "share of the image that one sphere covers", shares, sphere_over)
+def sweeps(quick: bool = False, most_quadrics: int = 10**6) -> Iterator[Sweep]:
+    """All, shorter where it must be quick; the one over quadrics ends at `most_quadrics`."""
+    most = min(most_quadrics, _QUICK_QUADRICS) if quick else most_quadrics
+    counts = [10**power for power in range(8) if 10**power <= most]
+    yield Sweep(
+        "quadrics",
+        "ellipsoids that together have the image's area",
+        counts,
+        lambda count: ellipsoids(int(count), 1.0),
+        lambda count: "10" + str(round(log10(count))).translate(_DIGITS),
+    )
+    areas = [(64 << power) ** 2 for power in range(6 if quick else 8)]
+    yield Sweep(
+        "pixels", "pixels of a square image of 1,000 ellipsoids", areas, _square, lambda area: f"{area**0.5:.0f}²"
+    )
+    shares = [2**power / 100 for power in range(0, 7, 2 if quick else 1)]
+    yield Sweep("coverage", "share of the image that one sphere covers", shares, sphere_over, "{:.0%}".format)
     depths = [1 << power for power in range(0, 8, 2 if quick else 1)]
-    yield Sweep("overlap", "ellipsoids of 1 % of the image behind each pixel, on average", tuple(depths),
-                lambda depth: ellipsoids(int(100 * depth), float(depth)))  # fmt: skip
+    yield Sweep("overlap", "ellipsoids of 1 % of the image behind each pixel, on average", depths,
+                lambda depth: ellipsoids(int(100 * depth), float(depth)), str)  # fmt: skip
 
 
 def _square(pixels: float) -> Scene:
@@ -46,6 +61,5 @@ def _square(pixels: float) -> Scene:
 
 def per_doubling(values: Iterable[float], times: Iterable[float]) -> list[float]:
     """Between one value and the next, the factor by which time grows when the value doubles."""
-    points = list(zip(values, times, strict=True))
-    steps = zip(points, points[1:], strict=False)
+    steps = pairwise(zip(values, times, strict=True))
     return [(after / before) ** (1 / log2(high / low)) for (low, before), (high, after) in steps]

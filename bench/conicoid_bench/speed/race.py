@@ -1,5 +1,6 @@
 """One scene: every contender is checked against the exact image, then all take laps in turn."""
 
+import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict
@@ -15,6 +16,8 @@ from conicoid_bench.speed.contenders import Contender, Entry
 
 # Who is slow takes fewer laps: all are over when each has had its share of time or all its laps.
 _FEWEST: Final = 3
+# The threads of the one before may wait for more work, busily.
+_PAUSE_S: Final = 0.01
 # A peer is right, so that its time counts, when it shows no more wrong pixels than this of the image.
 RIGHT: Final = 1e-4
 
@@ -42,7 +45,8 @@ def race(
     Args:
         contenders: who takes part; who cannot is told why.
         floor: milliseconds of a write-only lap.
-        exact: the truth.
+        scene: what they render.
+        exact: the truth about it.
         check: what of a picture is compared with it.
         laps: of each; at least three.
         enough_s: seconds after which a contender takes no more laps, when it has had three.
@@ -75,12 +79,13 @@ def race(
 def _laps(
     entries: dict[str, Entry], floor: Callable[[], float], laps: int, enough_s: float
 ) -> tuple[list[float], dict[str, list[tuple[float, float]]]]:
-    floors: list[float] = []
+    floors = [floor()]
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in entries}
     for number in range(max(laps, _FEWEST)):
         for name, entry in entries.items():
             spent = 1e-3 * sum(map(sum, times[name]))
             if number < _FEWEST or spent < enough_s:
+                time.sleep(_PAUSE_S)
                 floors.append(floor())
                 times[name].append(entry.lap())
     return floors, times

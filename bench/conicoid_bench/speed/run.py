@@ -71,8 +71,9 @@ class Speed:
         growing = [contender for contender in self._contenders if contender.name in _GROWING]
         points = []
         for value in sweep.values:
-            scene = BenchScene(f"{sweep.name} {value:,}", sweep.axis, sweep.scene(value))
-            points.append({"at": value, **self._scene(scene, growing, pixels_only)})
+            label = sweep.label(value)
+            scene = BenchScene(f"{sweep.name} {label}", sweep.axis, sweep.scene(value))
+            points.append({"at": value, "label": label, **self._scene(scene, growing, pixels_only)})
         times: dict[str, list[float]] = {
             c.name: [point["contenders"][c.name]["ms"] for point in points] for c in growing
         }
@@ -83,7 +84,7 @@ class Speed:
         self._say(bench.name)
         scene, effort = bench.scene, self._effort
         exact, verdict = truth(self._engine, bench, effort.checked)
-        floor = WriteOnly(self._device, scene.camera.width, scene.camera.height)
+        floor = WriteOnly(self._device, *exact.depth.shape)
         floor_ms, rows = race(taking_part, floor.lap, scene, exact, check, effort.laps, effort.enough_s)
         for name, row in rows.items():
             if "ms" in row:
