@@ -34,8 +34,9 @@ def draw_scenes(results: dict[str, Any], stem: Path) -> list[Path]:
             places = [k for k, scene in enumerate(scenes) if "ms" in scene["contenders"].get(name, {})]
             if places:
                 times = [scenes[k]["contenders"][name]["ms"] for k in places]
+                size, level = (15, 4) if marker == "*" else (8, 3)
                 axes.plot(times, places, marker, color=colour, label=name, markeredgecolor="white",
-                          markeredgewidth=0.7, markersize=15 if marker == "*" else 8, zorder=4 if marker == "*" else 3)  # fmt: skip
+                          markeredgewidth=0.7, markersize=size, zorder=level)  # fmt: skip
         axes.set_xscale("log")
         axes.set_yticks(range(len(scenes)), [scene["name"] for scene in scenes])
         axes.set_ylim(len(scenes) - 0.5, -0.5)
