@@ -89,7 +89,10 @@ def test_boxes_hold_what_is_seen_and_a_pixel_more_at_most(engine: Engine) -> Non
         assert near[k] <= picture.depth.min()
 
 
-@pytest.mark.parametrize("scene", [at(ellipsoids(30, 2.0), 51, 37), at(sphere_over(0.6), 32, 18)], ids=["30", "sphere"])
+SEEN = {"few": ellipsoids(30, 2.0), "deep": ellipsoids(200, 60.0), "sphere": sphere_over(0.6)}
+
+
+@pytest.mark.parametrize("scene", [at(scene, 51, 37) for scene in SEEN.values()], ids=SEEN)
 def test_numbas_steps_show_what_is_there(engine: Engine, scene: Scene) -> None:
     job = Numba(serial).prepare(scene)
     errors = compare(job.picture(job.run()), exact(engine, scene))

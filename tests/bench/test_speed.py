@@ -89,6 +89,7 @@ def test_sweeps_vary_what_they_say() -> None:
     quadrics, pixels, coverage, overlap = sweeps(quick=True)
     assert [len(quadrics.scene(value).quadrics) for value in quadrics.values] == [1, 10, 100, 1000, 10_000, 100_000]
     assert [quadrics.label(value) for value in quadrics.values[:2]] == ["10⁰", "10¹"]
+    assert pixels.label(pixels.values[0]) == "64²"
     for value in pixels.values:
         assert pixels.scene(value).camera.width * pixels.scene(value).camera.height == value
     assert [coverage.label(value) for value in coverage.values] == ["1%", "4%", "16%", "64%"]
