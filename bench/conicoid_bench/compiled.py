@@ -47,7 +47,7 @@ class Numba:
         lens, source = np.array([camera.fx, camera.fy, camera.cx, camera.cy]), records(scene)
         rows, near, box = np.empty((count, 12), _F), np.empty(count, _F), np.empty((count, 4), np.int32)
         columns, tiles = -(-width // TILE), -(-width // TILE) * -(-height // TILE)
-        end = np.empty(tiles, np.int64)
+        start = np.zeros(tiles + 1, np.int64)
         depth, normal = np.empty((height, width), _F), np.empty((height, width, 3), _F)
         seen = np.empty((height, width), np.int32)
         lists = [np.empty(0, np.int32)]
@@ -56,14 +56,18 @@ class Numba:
             self._set_up(count, source, lens, width, height, rows, near, box)
             low, high = box[:, :2] // TILE, -(-box[:, 2:] // TILE)
             lists[0] = np.empty(int((high - low).prod(axis=1, dtype=np.int64).sum()), np.int32)
-            self._list(1, np.argsort(near), np.concatenate([low, high], axis=1), columns, end, lists[0])
+            self._list(1, np.argsort(near), np.concatenate([low, high], axis=1), columns, start[1:], lists[0])
 
-        def run() -> None:
-            self._trace(tiles, rows, near, box, lens.astype(_F), end, lists[0], depth, normal, seen)
+        def run(numbers: bool = False) -> None:
+            self._trace(tiles, rows, near, box, lens.astype(_F), start, lists[0], depth, normal, seen, numbers)
 
-        ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
+        def picture(_: None) -> Picture:
+            run(numbers=True)
+            ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
+            return Picture(depth.copy(), ids[seen + 1], normal.copy())
+
         build()
-        return Job(run, lambda _: Picture(depth.copy(), ids[seen + 1], normal.copy()), build)
+        return Job(run, picture, build)
 
 
 def parallel(step: Step) -> Step:
@@ -144,9 +148,10 @@ def list_tiles(_: int, order: Any, tile_box: Any, columns: int, end: Any, entrie
 
 
 def trace_tile(
-    tile: int, rows: Any, near: Any, box: Any, lens: Any, end: Any, entries: Any, depths: Any, normals: Any, seen: Any
-) -> None:
-    """One tile: depths and numbers in turn, then normals of what is seen.
+    tile: int, rows: Any, near: Any, box: Any, lens: Any, start: Any, entries: Any, depths: Any, normals: Any,
+    seen: Any, numbers: bool,
+) -> None:  # fmt: skip
+    """One tile: quadric by quadric, then normals of what is seen; `seen` where `numbers` are wanted.
 
     A ray is taken from where it crosses the centre's plane of depth, then from its closest approach, so that nothing
     is larger than the ellipsoid: binary32 is enough for most pixels.
@@ -158,10 +163,9 @@ def trace_tile(
     x = np.empty(TILE, _F)
     for i in range(TILE):
         x[i] = (_F(left + i) + _F(0.5) - lens[2]) / lens[0]
-    begin = 0 if tile == 0 else end[tile - 1]
-    for place in range(begin, end[tile]):
+    for place in range(start[tile], start[tile + 1]):
         k = entries[place]
-        if (place - begin) % 8 == 0 and near[k] > depth.max():
+        if (place - start[tile]) % 8 == 0 and near[k] > depth.max():
             break
         m00, m01, m02, m10, m11, m12, m20, m21, m22 = (
             rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4], rows[k, 5], rows[k, 6], rows[k, 7], rows[k, 8]
@@ -187,14 +191,17 @@ def trace_tile(
         for i in range(min(TILE, width - left)):
             k, t = number[TILE * j + i], depth[TILE * j + i]
             depths[top + j, left + i] = t
-            seen[top + j, left + i] = k
+            if numbers:
+                seen[top + j, left + i] = k
             nx, ny, nz = _F(0), _F(0), _F(0)
             if k >= 0:
                 px, py, pz = t * x[i] - rows[k, 9], t * y - rows[k, 10], -t - rows[k, 11]
-                for axis in range(3):
-                    ax, ay, az = rows[k, 3 * axis], rows[k, 3 * axis + 1], rows[k, 3 * axis + 2]
-                    g = ax * px + ay * py + az * pz
-                    nx, ny, nz = nx + g * ax, ny + g * ay, nz + g * az
+                gx = rows[k, 0] * px + rows[k, 1] * py + rows[k, 2] * pz
+                gy = rows[k, 3] * px + rows[k, 4] * py + rows[k, 5] * pz
+                gz = rows[k, 6] * px + rows[k, 7] * py + rows[k, 8] * pz
+                nx = rows[k, 0] * gx + rows[k, 3] * gy + rows[k, 6] * gz
+                ny = rows[k, 1] * gx + rows[k, 4] * gy + rows[k, 7] * gz
+                nz = rows[k, 2] * gx + rows[k, 5] * gy + rows[k, 8] * gz
                 scale = _F(1) / _F(sqrt(nx * nx + ny * ny + nz * nz))
                 nx, ny, nz = nx * scale, ny * scale, nz * scale
             normals[top + j, left + i, 0] = nx
