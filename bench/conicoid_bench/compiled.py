@@ -165,6 +165,7 @@ def trace_tile(
         x[i] = (_F(left + i) + _F(0.5) - lens[2]) / lens[0]
     for place in range(start[tile], start[tile + 1]):
         k = entries[place]
+        # The deepest of 256 pixels costs as much as a row or two: it is looked for now and then.
         if (place - start[tile]) % 8 == 0 and near[k] > depth.max():
             break
         m00, m01, m02, m10, m11, m12, m20, m21, m22 = (
