@@ -1,5 +1,6 @@
 """What ran where: commit, device, processor, versions."""
 
+import os
 import platform
 import subprocess
 from dataclasses import asdict
@@ -19,6 +20,7 @@ def machine(engine: Engine) -> dict[str, Any]:
         "commit": _commit(),
         "device": asdict(engine.device),
         "processor": _processor(),
+        "load": os.getloadavg()[0],
         "system": platform.platform(),
         "python": platform.python_version(),
         "libraries": {name: found for name in _LIBRARIES if (found := _version(name))},

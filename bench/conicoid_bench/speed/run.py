@@ -52,6 +52,7 @@ class Speed:
     def __init__(self, device: str | None, embree: Path, effort: Effort, say: Callable[[str], object]) -> None:
         self._device, self._effort, self._say = device, effort, say
         self._engine = Engine(device)
+        self._machine = machine(self._engine)
         self._contenders, self._missing = contenders(self._engine, embree)
 
     def run(self, scenes: Iterable[BenchScene], sweeps: Iterable[Sweep]) -> Results:
@@ -62,7 +63,7 @@ class Speed:
         Raises:
             WrongTruth: `exact` differs from exact arithmetic.
         """
-        results: Results = {**machine(self._engine), "missing": self._missing}
+        results: Results = {**self._machine, "laps": self._effort.laps, "missing": self._missing}
         results["scenes"] = [self._scene(scene, self._contenders, all_errors) for scene in scenes]
         results["growth"] = [self._sweep(sweep) for sweep in sweeps]
         return results

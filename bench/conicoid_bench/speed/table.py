@@ -31,7 +31,8 @@ def _where(results: dict[str, Any]) -> Iterator[str]:
     yield (
         f"**{driver(results)}**, {results['processor']}, {results['device']['compute_units']} threads, "
         f"commit {results['commit']}, Python {results['python']}, {versions}. `exact` was found right at "
-        f"{min(scene['verified']['pixels'] for scene in results['scenes']):,} pixels of each scene. Medians, ms:"
+        f"{min(scene['verified']['pixels'] for scene in results['scenes']):,} pixels of each scene. Medians of up to {results['laps']} laps, ms, "
+        f"beside other programs that kept {results['load']:.1f} cores busy when it began:"
     )
 
 
