@@ -28,17 +28,17 @@ def fastest_right(scene: dict[str, Any]) -> str | None:
 
 def _where(results: dict[str, Any]) -> Iterator[str]:
     versions = ", ".join(f"{name} {number}" for name, number in results["libraries"].items() if name != "conicoid")
+    checked = min(scene["verified"]["pixels"] for scene in results["scenes"])
     yield (
-        f"**{driver(results)}**, {results['processor']}, {results['device']['compute_units']} threads, "
-        f"commit {results['commit']}, Python {results['python']}, {versions}. `exact` was found right at "
-        f"{min(scene['verified']['pixels'] for scene in results['scenes']):,} pixels of each scene. Medians of up to {results['laps']} laps, ms, "
-        f"beside other programs that kept {results['load']:.1f} cores busy when it began:"
+        f"**{driver(results)}**, {results['processor']}, {results['device']['compute_units']} threads, load average "
+        f"{results['load']:.1f} before it began, commit {results['commit']}, Python {results['python']}, {versions}. "
+        f"`exact` was found right at {checked:,} pixels of each scene. Medians of up to {results['laps']} laps, ms:"
     )
 
 
 def _times(results: dict[str, Any]) -> Iterator[str]:
     names = [name for name in _names(results) if any("ms" in s["contenders"][name] for s in results["scenes"])]
-    yield _line(["scene", "write only", *names, "÷ write only", "fastest right peer ÷ `exact`"])
+    yield _line(["scene", "write only", *names, "`exact` ÷ write only", "fastest right peer ÷ `exact`"])
     yield _line(["---", *["---:"] * (len(names) + 3)])
     for scene in results["scenes"]:
         ours, peer = scene["contenders"][_OURS]["ms"], fastest_right(scene)
