@@ -1,5 +1,5 @@
 // Ellipsoids cast by Embree, a peer of `conicoid bench speed`: user geometry, packets as wide as the processor's
-// vectors, every core. As fast as we could make it, in binary32, and writing what Conicoid writes: Z and N.
+// vectors, every core. Written to be fast, in binary32, and writing what Conicoid writes: Z and N.
 //
 //     embree_ellipsoids SCENE [CONFIGURATION]
 //

@@ -62,9 +62,11 @@ def race(
                 rows[contender.name] = {"not_measured": reason}
                 continue
             entry = stack.enter_context(contender.enter(scene))
-            errors = check(entry.picture(), exact)
+            picture = entry.picture()
+            errors = check(picture, exact)
             right = errors["wrong_hits"] + errors["wrong_ids"] <= RIGHT * exact.id.size
-            rows[contender.name] = {**errors, "right": right and contender.raced}
+            counts = {"refined": picture.refined, "settled": picture.settled}
+            rows[contender.name] = {**errors, **counts, "right": right and contender.raced}
             if contender.raced:
                 entry.lap()
                 entries[contender.name] = entry
