@@ -58,8 +58,8 @@ def _errors(results: dict[str, Any]) -> Iterator[str]:
     names = [name for name in _names(results) if name != _OURS]
     yield (
         "Wrong hits + wrong ids, and the worst depth in float32 ulp where the right quadric is seen; "
-        f"**not right** above 1 pixel in {1 / RIGHT:,.0f}. Of `exact`, which has neither, the pixels that double-double "
-        "rounded + those that the host settled:"
+        f"**not right** above 1 pixel in {1 / RIGHT:,.0f}. Of `exact`, which has neither: the pixels "
+        "that double-double rounded + those that the host settled:"
     )
     yield ""
     yield _line(["scene", "hits", _OURS, *names])
