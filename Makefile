@@ -3,10 +3,11 @@
 PYTHON ?= python3
 ENGINE ?= $(firstword $(shell command -v podman docker))
 SETUP := .venv/.setup
+EMBREE := build/embree_ellipsoids
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench image test-package lock clean
+.PHONY: setup demo test check stress bench embree image test-embree test-package lock clean
 
 setup: $(SETUP)
 
@@ -21,7 +22,7 @@ demo: $(SETUP)
 	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
-	.venv/bin/pytest --ignore=tests/container
+	.venv/bin/pytest --ignore=tests/container --ignore=tests/embree
 
 check: $(SETUP)
 	.venv/bin/ruff format --check .
@@ -35,10 +36,22 @@ stress: $(SETUP)
 bench: $(SETUP)
 	.venv/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement requirements/bench.txt
 	.venv/bin/conicoid bench error examples/lysozyme.json --output bench/results
-	.venv/bin/python bench/stages.py
+	-$(MAKE) embree
+	.venv/bin/conicoid bench speed examples/lysozyme.json --output bench/results --embree $(EMBREE)
+	.venv/bin/python bench/document.py
+
+# A peer of `conicoid bench speed`, which measures the rest without it; needs Debian's g++ and libembree-dev.
+embree: $(EMBREE)
+
+$(EMBREE): bench/embree/ellipsoids.cpp
+	mkdir -p $(@D)
+	$(CXX) -std=c++17 -O3 -march=native -fno-math-errno -fno-trapping-math -Wall -Wextra -Werror $< -lembree3 -ltbb -o $@
 
 image:
 	$(ENGINE) build --file docker/Dockerfile --tag conicoid .
+
+test-embree: $(SETUP) $(EMBREE)
+	.venv/bin/pytest tests/embree
 
 test-package: $(SETUP)
 	.venv/bin/pytest tests/container

@@ -92,7 +92,7 @@ def test_benchmarks_import_the_engine_alone() -> None:
 
 def test_what_only_benchmarks_need_is_imported_inside_functions() -> None:
     """So that the command can say which extra is missing."""
-    extra = {"matplotlib", "mitsuba", "drjit"}
+    extra = {"matplotlib", "mitsuba", "drjit", "numba"}
     assert not breaches(package="conicoid_bench", targets=extra, at_load_only=True)
     assert not [i for i in IMPORTS if i.target in extra and i.package != "conicoid_bench"]
 

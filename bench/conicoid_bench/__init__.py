@@ -1,5 +1,7 @@
-"""Benchmarks: `conicoid bench error` measures run time against error, in one run, beside honest baselines.
+"""Benchmarks: `conicoid bench error` and `conicoid bench speed`, each in one run beside honest baselines.
 
-scenes.py (what) -> engine.py, opencl.py, vectorised.py, mitsuba.py (who) -> measure.py (how long, how wrong)
-      -> results.py (JSON), table.py, figure.py (for people)
+workloads.py, scenes.py (what) -> truth.py (what is right)
+engine.py, opencl.py, vectorised.py, mitsuba_shapes.py, compiled.py, embree.py (who)
+error: error.py -> measure.py (how long, how wrong) -> files.py: JSON, table.py, figure.py (for people)
+speed: speed/, which says so itself
 """

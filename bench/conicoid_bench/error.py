@@ -1,33 +1,23 @@
 """`conicoid bench error`: every renderer on every scene in one process, against the exact image."""
 
-import platform
-import subprocess
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, replace
-from importlib.metadata import version
-from importlib.resources import files
-from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
 from conicoid.device import find_device
 from conicoid.engine import Renderer as Engine
-from conicoid.verify import check, sampled_places, silhouettes
 from conicoid_bench.engine import Conicoid
+from conicoid_bench.machine import machine
 from conicoid_bench.measure import measured
 from conicoid_bench.mitsuba_shapes import Mitsuba
 from conicoid_bench.opencl import Textbook
-from conicoid_bench.picture import Picture, Renderer
+from conicoid_bench.picture import Renderer
 from conicoid_bench.scenes import BenchScene
+from conicoid_bench.truth import truth
 from conicoid_bench.vectorised import Vectorised
 
 Results = dict[str, Any]
-_LIBRARIES: Final = ("conicoid", "numpy", "pyopencl", "mitsuba", "drjit")
-
-
-class WrongTruth(Exception):
-    """`exact` is not exact here, so that nothing can be measured against it."""
 
 
 def run(scenes: Iterable[BenchScene], checked: int, say: Callable[[str], object]) -> Results:
@@ -87,60 +77,3 @@ def _scene(
         "verified": verdict,
         "renderers": rows,
     }
-
-
-def truth(engine: Engine, bench: BenchScene, checked: int) -> tuple[Picture, dict[str, int]]:
-    """The exact picture, after pixels of it were checked against exact arithmetic; and how many were.
-
-    Raises:
-        WrongTruth: one was not right.
-    """
-    job = Conicoid(engine, "exact").prepare(bench.scene)
-    picture = job.picture(job.run())
-    planes = {"Z": picture.depth, "id": picture.id}
-    planes |= {f"N.{axis}": picture.normal[..., k] for k, axis in enumerate("XYZ")}
-    places = sampled_places(planes, checked)
-    output = replace(bench.scene.output, normal_space="world", normal_side="facing", background_depth=np.inf)
-    verdict = check(replace(bench.scene, output=output), planes, bench.scene.camera.crop, places)
-    if verdict.wrong:
-        raise WrongTruth(f"{bench.name}: `exact` is wrong at {verdict.wrong} pixels; {verdict.differences[0]}")
-    edge = silhouettes(planes)[tuple(places.T)]
-    return picture, {"pixels": verdict.pixels, "silhouette": int(edge.sum()), "hits": verdict.hits}
-
-
-def machine(engine: Engine) -> Results:
-    """What ran where."""
-    return {
-        "commit": _commit(),
-        "device": asdict(engine.device),
-        "processor": _processor(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "libraries": {name: found for name in _LIBRARIES if (found := _version(name))},
-    }
-
-
-def _version(name: str) -> str | None:
-    try:
-        return version(name)
-    except ImportError:
-        return None
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
-
-
-def _commit() -> str | None:
-    """The checkout's commit, with + where files differ from it; None where this is not one."""
-    here = str(files("conicoid_bench"))
-    command = ["git", "-C", here, "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    except OSError:
-        return None
-    return done.stdout.strip() or None

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from conicoid_bench.drawing import GRID, figure, save
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
@@ -28,15 +30,10 @@ _NOWHERE: Final = max(_ULP)
 
 def draw(results: dict[str, Any], stem: Path) -> list[Path]:
     """Write STEM.png and STEM.svg of the shown scenes that were measured; the paths."""
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
     scenes = [scene for name in SHOWN for scene in results["scenes"] if scene["name"] == name] or results["scenes"][:5]
-    # Without a date and with fixed ids, the same results are the same file.
-    with rc_context({"font.size": 9, "svg.hashsalt": "conicoid", "svg.fonttype": "path"}):
-        width = 2.5 * len(scenes) + 0.9
-        figure = Figure(figsize=(width, 5.9), layout="constrained")
-        axes = figure.subplots(2, len(scenes), sharex="col", sharey="row", squeeze=False)
+    width = 2.5 * len(scenes) + 0.9
+    with figure(width, 5.9) as drawn:
+        axes = drawn.subplots(2, len(scenes), sharex="col", sharey="row", squeeze=False)
         for column, scene in enumerate(scenes):
             _panel(axes[0, column], scene, _wrong_share, _PER_MILLION)
             _panel(axes[1, column], scene, _depth_errors, _ULP)
@@ -45,11 +42,8 @@ def draw(results: dict[str, Any], stem: Path) -> list[Path]:
         axes[0, 0].set_ylabel("wrong pixels\nper million hits")
         axes[1, 0].set_ylabel("depth error in float32 ulp\n(mark: worst, tail: median)")
         handles, labels = _legend(axes[0].tolist())
-        figure.legend(handles, labels, loc="outside lower center", ncols=max(1, int(width / 2.6)), frameon=False)
-        paths = [stem.with_suffix(suffix) for suffix in (".png", ".svg")]
-        figure.savefig(paths[0], dpi=160, facecolor="white", metadata={"Software": None})
-        figure.savefig(paths[1], facecolor="white", metadata={"Date": None, "Creator": None})
-    return paths
+        drawn.legend(handles, labels, loc="outside lower center", ncols=max(1, int(width / 2.6)), frameon=False)
+        return save(drawn, stem)
 
 
 def _panel(axes: "Axes", scene: dict[str, Any], errors: Any, levels: dict[float, str]) -> None:
@@ -59,7 +53,7 @@ def _panel(axes: "Axes", scene: dict[str, Any], errors: Any, levels: dict[float,
     axes.set_yscale("symlog", linthresh=1, linscale=0.6)
     axes.set_yticks(list(levels), list(levels.values()))
     axes.axhspan(-0.5, 0.4, color="#F0E442", alpha=0.35, linewidth=0)
-    axes.grid(visible=True, color="#dddddd", linewidth=0.6)
+    axes.grid(visible=True, **GRID)
     axes.set_axisbelow(True)
     for name, (colour, marker, label) in _STYLE.items():
         row = scene["renderers"].get(name, {})

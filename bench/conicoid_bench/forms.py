@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from conicoid.scene import Camera, Floats, Scene
 from conicoid.shapes import SHAPES
 from conicoid.verify import PixelBoxes
+from conicoid_bench.whole import is_ball
 
 
 @dataclass(frozen=True)
@@ -67,9 +68,21 @@ def rays_of(camera: Camera) -> tuple[Floats, Floats]:
 
 
 def pixel_boxes(scene: Scene) -> NDArray[np.int64]:
-    """(n, 4) half-open pixel boxes [x0, y0, x1, y1) in the crop, never too small."""
+    """(n, 4) half-open pixel boxes [x0, y0, x1, y1) in the crop, never too small; empty for balls behind the camera."""
     x0, y0, x1, y1 = scene.camera.crop
     box = PixelBoxes(scene).box
     low = np.clip(np.nan_to_num(np.floor(box[:, :2]), nan=-np.inf), [x0, y0], [x1, y1])
     high = np.clip(np.nan_to_num(np.ceil(box[:, 2:]), nan=np.inf) + 1, [x0, y0], [x1, y1])
+    high = np.where(_behind(scene)[:, None], low, high)
     return np.concatenate([low, high], axis=1).astype(np.int64)
+
+
+def _behind(scene: Scene) -> NDArray[np.bool_]:
+    """(n,) spheres and ellipsoids of which nothing is in front of the camera's plane, by a ball around each."""
+    quadrics, pose = scene.quadrics, scene.camera.world_from_camera
+    reach = np.linalg.norm(quadrics.world_from_object[:, :, :3], axis=(1, 2)) * quadrics.radii.max(axis=1)
+    # Backwards is the camera's z; on a camera that is not orthonormal the plane is still the one across it.
+    inverse = np.linalg.inv(pose[:3, :3])[2]
+    back = (quadrics.world_from_object[:, :, 3] - pose[:3, 3]) @ inverse
+    behind: NDArray[np.bool_] = back > 1.001 * reach * np.linalg.norm(inverse)
+    return is_ball(scene) & behind

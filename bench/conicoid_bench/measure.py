@@ -38,14 +38,19 @@ class Errors:
 
 def compare(picture: Picture, exact: Picture) -> Errors:
     """The errors of a picture; `exact` has exact ids and depths rounded to nearest."""
-    hit, truth = picture.id != 0, exact.id != 0
-    same = truth & (picture.id == exact.id)
-    wrong_hits, wrong_ids = int(np.count_nonzero(hit != truth)), int(np.count_nonzero(hit & truth & ~same))
+    wrong_hits, wrong_ids = wrong_pixels(picture, exact)
+    same = (exact.id != 0) & (picture.id == exact.id)
     if not same.any():
         return Errors(wrong_hits, wrong_ids, None, None, None)
     steps = float32_steps(picture.depth[same], exact.depth[same])
     degrees = angles(picture.normal[same], exact.normal[same])
     return Errors(wrong_hits, wrong_ids, int(steps.max()), float(np.median(steps)), float(degrees.max()))
+
+
+def wrong_pixels(picture: Picture, exact: Picture) -> tuple[int, int]:
+    """How many are a hit in one and a miss in the other, and how many show another quadric."""
+    hit, truth = picture.id != 0, exact.id != 0
+    return int(np.count_nonzero(hit != truth)), int(np.count_nonzero(hit & truth & (picture.id != exact.id)))
 
 
 def float32_steps(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.int64]:

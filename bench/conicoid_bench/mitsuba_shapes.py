@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.scene import Floats, Scene
-from conicoid.shapes import SHAPES
 from conicoid_bench.forms import rays_of
 from conicoid_bench.picture import Job, Picture
+from conicoid_bench.whole import SPHERE, more_than_whole
 
-_SPHERE, _ELLIPSOID = ([shape.name for shape in SHAPES].index(name) for name in ("sphere", "ellipsoid"))
 # Each sphere is a shape of its own; building thousands of them takes longer than all measurements.
 _MOST_SPHERES: Final = 2000
 
@@ -42,25 +41,19 @@ class Mitsuba:
 
     def why_not(self, scene: Scene) -> str | None:
         """It takes whole spheres, or ellipsoids too."""
-        quadrics = scene.quadrics
-        kinds = [_SPHERE] if self._plugin == "sphere" else [_SPHERE, _ELLIPSOID]
-        if not np.isin(quadrics.shape, kinds).all():
-            return "has other shapes" if self._plugin == "ellipsoids" else "has other shapes than spheres"
-        if np.isfinite(quadrics.z_range).any() or len(quadrics.clip):
-            return "has ranges or clips"
-        linear = quadrics.world_from_object[:, :, :3]
-        if np.abs(linear @ linear.swapaxes(1, 2) - np.eye(3)).max() > 1e-6:
-            return "has sheared or scaled quadrics"
-        if self._plugin == "sphere" and len(quadrics) > _MOST_SPHERES:
-            return "has too many quadrics"
-        return None
+        if self._plugin == "ellipsoids":
+            return more_than_whole(scene)
+        if (scene.quadrics.shape != SPHERE).any():
+            return "has other shapes than spheres"
+        return more_than_whole(scene) or ("has too many quadrics" if len(scene.quadrics) > _MOST_SPHERES else None)
 
     def prepare(self, scene: Scene) -> Job:
         """Scene and rays in binary32; directions of unit length, as Mitsuba wants them."""
         import drjit
         import mitsuba
 
-        world = mitsuba.load_dict(self._scene(scene))
+        description = self._scene(scene)
+        world: list[Any] = []
         camera = scene.camera
         u, v = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
         pixel = np.stack([u.ravel(), v.ravel(), np.ones(u.size)])
@@ -70,18 +63,20 @@ class Mitsuba:
         d = mitsuba.Vector3f(*(mitsuba.Float(axis.astype(np.float32)) for axis in direction / length))
         drjit.eval(o, d)
         ids = np.concatenate([[0], scene.quadrics.id]).astype(np.uint32)
-        number = self._numbers(world, len(scene.quadrics))
 
-        def run() -> tuple[Any, ...]:
-            hit = world.ray_intersect(mitsuba.Ray3f(o, d))
-            which = hit.prim_index if number is None else drjit.reinterpret_array(mitsuba.UInt32, hit.shape)
-            result = hit.t, hit.n, which, hit.is_valid()
-            drjit.eval(*result)
+        def build() -> None:
+            world[:] = [mitsuba.load_dict(description)]
+
+        def run() -> Any:
+            hit = world[0].ray_intersect(mitsuba.Ray3f(o, d))
+            drjit.eval(hit.t, hit.n)
             drjit.sync_thread()
-            return result
+            return hit
 
-        def picture(result: tuple[Any, ...]) -> Picture:
-            t, n, which, valid = (np.array(part) for part in result)
+        def picture(hit: Any) -> Picture:
+            number = self._numbers(world[0], len(scene.quadrics))
+            shape = hit.prim_index if number is None else drjit.reinterpret_array(mitsuba.UInt32, hit.shape)
+            t, n, which, valid = (np.array(part) for part in (hit.t, hit.n, shape, hit.is_valid()))
             index = which if number is None else number[which]
             seen = ids[np.where(valid, index + 1, 0)].reshape(u.shape)
             # Along a ray of unit length, to planar; in binary64, so that no error is added.
@@ -90,7 +85,8 @@ class Mitsuba:
             normal = np.where(valid, n, 0).T.astype(np.float32)
             return Picture(depth, seen, normal.reshape(*u.shape, 3))
 
-        return Job(run, picture)
+        build()
+        return Job(run, picture, build)
 
     def _scene(self, scene: Scene) -> dict[str, Any]:
         import mitsuba

@@ -35,10 +35,12 @@ class Job:
     Attributes:
         run: renders it once; only this is timed. It returns when the result is complete.
         picture: makes a picture of what `run` returned.
+        build: does again what a moved camera or quadric asks for before `run`: matrices, boxes, lists, hierarchies.
     """
 
     run: Callable[[], Any]
     picture: Callable[[Any], Picture]
+    build: Callable[[], object] = lambda: None
 
 
 class Renderer(Protocol):

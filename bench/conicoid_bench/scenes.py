@@ -6,11 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from conicoid.document import parse
 from conicoid.scene import Scene
-from conicoid_bench.workloads import HEIGHT, WIDTH, camera, ellipsoids, quadrics_of
+from conicoid_bench.workloads import HEIGHT, WIDTH, camera, ellipsoids, spheres
 
 _FOV_Y = 40.0
 # Of length 1, and along no axis: along an axis the coordinates of rays keep more digits than elsewhere.
@@ -51,9 +49,10 @@ def built_in(scale: float = 1.0) -> Iterator[BenchScene]:
     yield _document(
         "pancake 1 : 1e-6", "forms of very different sizes, normals that turn within a pixel", pancake, size
     )
-    yield _workload("64 spheres", "a few large ones", 64, 0.6, scale, round_ones=True)
-    yield _workload("1,000 ellipsoids", "some behind each other", 1_000, 1.0, scale)
-    yield _workload("100,000 ellipsoids", "many small ones, far away for their size", 100_000, 3.0, scale)
+    yield _workload("64 spheres", "a few large ones", spheres(64, 0.6), size)
+    yield _workload("1,000 ellipsoids", "some behind each other", ellipsoids(1_000, 1.0), size)
+    many = ellipsoids(100_000, 3.0)
+    yield _workload("100,000 ellipsoids", "many small ones, far away for their size", many, size)
     yield _document("capped mix", "ranges and caps", _capped(), size)
 
 
@@ -70,17 +69,8 @@ def _document(
     return BenchScene(name, reason, parse(json.dumps(document).encode()).resolve())
 
 
-def _workload(
-    name: str, reason: str, count: int, coverage: float, scale: float, round_ones: bool = False
-) -> BenchScene:
-    scene = ellipsoids(count, coverage)
-    if round_ones:
-        radii = np.repeat(np.cbrt(scene.quadrics.radii.prod(axis=1))[:, None], 3, axis=1)
-        upright = np.tile(np.eye(3), (count, 1, 1))
-        spheres = quadrics_of(radii, scene.quadrics.world_from_object[:, :, 3], upright)
-        scene = replace(scene, quadrics=replace(spheres, shape=np.zeros_like(spheres.shape)))
-    view = camera(max(16, round(WIDTH * scale)), max(16, round(HEIGHT * scale)))
-    return BenchScene(name, reason, replace(scene, camera=view))
+def _workload(name: str, reason: str, scene: Scene, size: tuple[int, int]) -> BenchScene:
+    return BenchScene(name, reason, replace(scene, camera=camera(*size)))
 
 
 def _capped() -> list[dict[str, Any]]:

@@ -13,24 +13,35 @@ _MOST: Final = 10_000
 
 
 class Vectorised:
-    """NumPy float64; rays and boxes are prepared outside the clock."""
+    """NumPy float64; rays are prepared outside the clock, matrices and boxes are built.
+
+    Args:
+        most: quadrics that it takes.
+    """
 
     name = "NumPy float64"
+
+    def __init__(self, most: int = _MOST) -> None:
+        self._most = most
 
     def why_not(self, scene: Scene) -> str | None:
         """It takes whole surfaces, not too many."""
         if np.isfinite(scene.quadrics.z_range).any():
             return "has ranges"
-        return inexpressible(scene) or ("has too many quadrics" if len(scene.quadrics) > _MOST else None)
+        return inexpressible(scene) or ("has too many quadrics" if len(scene.quadrics) > self._most else None)
 
     def prepare(self, scene: Scene) -> Job:
         """Matrices, boxes and the rays of all pixels."""
-        camera, forms, boxes = scene.camera, forms_of(scene), pixel_boxes(scene)
+        camera, built = scene.camera, [(forms_of(scene), pixel_boxes(scene))]
         u, v = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
         pixel = np.stack([u, v, np.ones_like(u)], axis=-1)
         origin, direction = (pixel @ columns.T for columns in rays_of(camera))
 
+        def build() -> None:
+            built[0] = forms_of(scene), pixel_boxes(scene)
+
         def run() -> Picture:
+            forms, boxes = built[0]
             depth = np.full(u.shape, np.inf)
             seen = np.zeros(u.shape, dtype=np.uint32)
             normal = np.zeros(origin.shape)
@@ -54,4 +65,4 @@ class Vectorised:
             normal = np.nan_to_num(normal, copy=False)
             return Picture(depth.astype(np.float32), seen, normal.astype(np.float32))
 
-        return Job(run, lambda picture: picture)
+        return Job(run, lambda picture: picture, build)

@@ -1,9 +1,11 @@
 """The generated scenes that every benchmark here uses: ellipsoids in a frustum, seeded, at 1920 x 1080."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from conicoid.scene import Camera, Floats, Output, Precision, Quadrics, Scene
-from conicoid.shapes import SHAPES
+from conicoid_bench.whole import ELLIPSOID, SPHERE
 
 WIDTH, HEIGHT = 1920, 1080
 
@@ -34,12 +36,53 @@ def ellipsoids(count: int, coverage: float, precision: Precision = "exact", seed
                  Output(precision=precision))  # fmt: skip
 
 
+def spheres(count: int, coverage: float) -> Scene:
+    """The spheres of the same volumes at the same places."""
+    scene = ellipsoids(count, coverage)
+    radii = np.repeat(np.cbrt(scene.quadrics.radii.prod(axis=1))[:, None], 3, axis=1)
+    return _as_spheres(scene, radii)
+
+
+def sphere_over(share: float) -> Scene:
+    """One sphere in the middle that covers that share of the image's area, 0 to 1."""
+    scene, middle = ellipsoids(1, 1.0), np.array([WIDTH, HEIGHT]) / 2
+    low, high = 0.0, float(np.hypot(*middle))
+    while high - low > 1e-9 * high:
+        radius = (low + high) / 2
+        low, high = (radius, high) if _disc_inside(radius, *middle) < share * WIDTH * HEIGHT else (low, radius)
+    # The silhouette of a sphere in the middle is a circle: its rays touch where sin = r / distance.
+    sine = np.sin(np.arctan(low / scene.camera.fx))
+    distance = -scene.quadrics.world_from_object[:, 2, 3]
+    return _as_spheres(scene, np.tile(sine * distance[:, None], 3))
+
+
+def _disc_inside(radius: float, across: float, up: float) -> float:
+    """Area of a disc in the middle of a rectangle, of which `across` and `up` are half of the sides."""
+    x = np.linspace(0, min(radius, across), 100_001)
+    return float(4 * np.trapezoid(np.minimum(np.sqrt(radius**2 - x**2), up), x))
+
+
+def out_of_view(count: int) -> Scene:
+    """Ellipsoids as above, but in turn behind the camera and beside the image."""
+    scene = ellipsoids(count, 1.0)
+    place = scene.quadrics.world_from_object.copy()
+    place[::2, 2, 3] *= -1
+    place[1::2, 0, 3] -= 3 * place[1::2, 2, 3]
+    return replace(scene, quadrics=replace(scene.quadrics, world_from_object=place))
+
+
+def _as_spheres(scene: Scene, radii: Floats) -> Scene:
+    place = scene.quadrics.world_from_object.copy()
+    place[:, :, :3] = np.eye(3)
+    shape = np.full_like(scene.quadrics.shape, SPHERE)
+    return replace(scene, quadrics=replace(scene.quadrics, shape=shape, radii=radii, world_from_object=place))
+
+
 def quadrics_of(radii: Floats, centre: Floats, rotation: Floats) -> Quadrics:
     """Ellipsoids from (n, 3) radii, (n, 3) centres and (n, 3, 3) rotations."""
     count = len(radii)
-    code = next(shape.code for shape in SHAPES if shape.name == "ellipsoid")
     return Quadrics(
-        shape=np.full(count, code, dtype=np.uint8),
+        shape=np.full(count, ELLIPSOID, dtype=np.uint8),
         radii=radii,
         matrix_row=np.full(count, -1, dtype=np.int32),
         matrix=np.empty((0, 4, 4)),

@@ -12,9 +12,10 @@ import pytest
 from conicoid.engine import Frame
 from conicoid.engine import Renderer as Engine
 from conicoid.scene import Scene
-from conicoid_bench.error import WrongTruth, run, truth
+from conicoid_bench.error import run
 from conicoid_bench.scenes import built_in, from_file
 from conicoid_bench.table import markdown
+from conicoid_bench.truth import WrongTruth, truth
 from tests.checkout import ROOT
 from tests.clients.command import conicoid
 

@@ -12,34 +12,56 @@ from conicoid_client.command.report import Failure, UsageError
 if TYPE_CHECKING:
     from conicoid_bench.scenes import BenchScene
 
-_NEEDED = ("matplotlib", "mitsuba")
+_NEEDED = {"error": ("matplotlib", "mitsuba"), "speed": ("matplotlib", "mitsuba", "numba")}
 
 
 def run(options: argparse.Namespace) -> None:
-    """Run the measurement that was asked for; `error` is the only one."""
+    """Run the measurement that was asked for, `error` or `speed`."""
     folder = Path(options.output)
-    files.check_writable(str(folder / "error.json") if folder.is_dir() else str(folder))
+    files.check_writable(str(folder / f"{options.measurement}.json") if folder.is_dir() else str(folder))
+    measured = _error if options.measurement == "error" else _speed
     scenes = _scenes(options)
-    missing = [name for name in _NEEDED if find_spec(name) is None]
+    missing = [name for name in _NEEDED[options.measurement] if find_spec(name) is None]
     if missing:
         raise Failure(f"conicoid bench needs {' and '.join(missing)}; install with: pip install 'conicoid[bench]'")
     from conicoid.errors import DeviceError
-    from conicoid_bench.error import WrongTruth, run
-    from conicoid_bench.files import write
+    from conicoid_bench.embree import PeerFailed
+    from conicoid_bench.truth import WrongTruth
 
     try:
-        results = run(scenes, options.checked, _say)
-    except (WrongTruth, DeviceError) as error:
+        paths = measured(options, scenes, folder)
+    except (WrongTruth, PeerFailed, DeviceError) as error:
         raise Failure(str(error)) from None
-    for path in write(results, folder):
+    for path in paths:
         files.say(str(path))
+
+
+def _error(options: argparse.Namespace, scenes: list["BenchScene"], folder: Path) -> list[Path]:
+    from conicoid_bench.error import run
+    from conicoid_bench.files import write
+
+    return write(run(scenes, options.checked, _say), folder)
+
+
+def _speed(options: argparse.Namespace, scenes: list["BenchScene"], folder: Path) -> list[Path]:
+    from conicoid_bench.speed.files import write
+    from conicoid_bench.speed.growth import sweeps
+    from conicoid_bench.speed.run import FULL, QUICK, Speed
+
+    speed = Speed(options.device, Path(options.embree), QUICK if options.quick else FULL, _say)
+    return write(speed.run(scenes, sweeps(options.quick, options.most_quadrics)), folder)
 
 
 def _scenes(options: argparse.Namespace) -> list["BenchScene"]:
     from conicoid.errors import SceneError
-    from conicoid_bench.scenes import built_in, from_file
+    from conicoid_bench import scenes as of_error
+    from conicoid_bench.scenes import from_file
+    from conicoid_bench.speed import scenes as of_speed
 
-    scenes = [] if options.only_given else list(built_in(options.scale))
+    if options.measurement == "speed":
+        scenes = list(of_speed.built_in(options.quick))
+    else:
+        scenes = [] if options.only_given else list(of_error.built_in(options.scale))
     for path in options.scenes:
         try:
             scenes.append(from_file(Path(path)))

@@ -135,6 +135,20 @@ def _add_bench(bench: argparse.ArgumentParser) -> None:
         help="pixels per scene where `exact` is first checked against exact arithmetic (default: %(default)s)",
     )  # fmt: skip
 
+    summary = "run time and how it grows, beside other ways to render quadrics and a kernel that only writes"
+    speed = measurements.add_parser("speed", help=summary, description=summary[0].upper() + summary[1:] + ".")
+    speed.add_argument("scenes", metavar="SCENE.json", nargs="*", help="scenes to measure after the built-in ones")
+    speed.add_argument("-o", "--output", required=True, metavar="DIR", help="for speed-*.json, .md, .png, .svg ...")
+    speed.add_argument("--device", metavar="NAME", help='as in "PoCL 3.1" (default: $CONICOID_DEVICE, else any)')
+    speed.add_argument("--quick", action="store_true", help="fewer and smaller scenes and laps: under two minutes")
+    speed.add_argument(
+        "--most-quadrics", type=_samples, default=10**6, metavar="N", help="where growth ends (default: %(default)s)"
+    )
+    speed.add_argument(
+        "--embree", default="build/embree_ellipsoids", metavar="PROGRAM",
+        help="what `make embree` builds from bench/embree; without it the rest is measured (default: %(default)s)",
+    )  # fmt: skip
+
 
 class _Version(argparse.Action):
     """Looks the version up only when it is asked for: that takes longer than everything else here."""
