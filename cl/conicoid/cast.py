@@ -25,7 +25,8 @@ _PLANES: Final = {
 # `frame` in kernels/tile.h.
 _FRAME: Final = np.dtype(
     [
-        ("rays", "f8", (6, 3)), ("back", "f8", (3, 3)), ("slant", "f8", (2, 2)), ("unit", "f8"), ("near", "f8"),
+        ("rays", "f8", (6, 3)), ("back", "f8", (3, 3)), ("axes", "f8", (3, 3)), ("principal", "f8", 2),
+        ("slant", "f8", (2, 2)), ("unit", "f8"), ("near", "f8"),
         ("far", "f8"), ("background", "f4"), ("channels", "i4"), ("capacity", "i4"), ("orthographic", "i4"),
         ("outward", "i4"), ("crop", "i4", (4,)), ("tile_origin", "i4", (2,)), ("columns", "i4"),
     ],
@@ -89,6 +90,9 @@ class Caster:
         frame = np.zeros(1, dtype=_FRAME)
         frame["rays"] = view.rays[:, :, 0]
         frame["back"] = view.back
+        frame["axes"] = -view.image_rows @ view.target
+        frame["axes"][0, 2] *= 1 / unit if view.orthographic else 1
+        frame["principal"] = view.principal
         if not view.orthographic:
             frame["slant"] = [[1 / camera.fx, -camera.cx / camera.fx], [1 / camera.fy, -camera.cy / camera.fy]]
         frame["unit"], frame["near"], frame["far"] = unit, camera.near / unit, camera.far / unit
@@ -97,25 +101,17 @@ class Caster:
         frame["channels"] = sum(_WANT[name] for name in channels)
         frame["orthographic"], frame["outward"] = view.orthographic, output.normal_side == "outward"
         frame["crop"], frame["tile_origin"], frame["columns"] = camera.crop, bins.origin, bins.columns
-        # Bounds in the kernels' keys; widened because binary32 casting rounds them.
-        with np.errstate(divide="ignore"):
-            depth = visible.nearest * ((1 - 2.0**-20) / unit)
-            nearest_key = -depth if view.orthographic else 1 / depth
         kernel, doubts = self._kernels[_arithmetic(output.precision, visible)], self._doubts
-        lists = [
+        inputs = [
             queue.read_only(array)
-            for array in (bins.end, bins.entries, visible.box, nearest_key, visible.record, visible.quadric,
-                          visible.place, scene.quadrics.id[visible.quadric])
+            for array in (bins.end, bins.entries, visible.slots, visible.general, visible.clips, visible.place,
+                          visible.planes, scene.quadrics.id)
         ]  # fmt: skip
-        records = [
-            queue.read_only(array)
-            for array in (visible.simple, visible.simple_normals, visible.general, visible.clips, visible.planes)
-        ]
         while True:
             count = np.zeros(1, dtype=np.int32)
             frame["capacity"] = len(doubts)
             results = [queue.in_place(array) for array in (floats, ids, count, doubts)]
-            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *lists, *records, *results)
+            queue.run_grid(kernel, (bins.columns, bins.rows), queue.read_only(frame), *inputs, *results)
             if count[0] <= len(doubts):
                 break
             doubts = np.empty(int(count[0]), dtype=DOUBT)

@@ -17,15 +17,14 @@ from conicoid.view import View
 _CULLED: Final = 0
 _SIMPLE: Final = 1
 # The records of kernels/records.h, member by member.
-SIMPLE: Final = np.dtype(
+SLOT: Final = np.dtype(
     [
-        ("s", "f8", 6), ("b", "f8", 3), ("s_error", "f8"), ("slop", "f8"), ("centre", "i4", 2),
+        ("s", "f8", 6), ("b", "f8", 3), ("s_error", "f4"), ("slop", "f4"), ("key_error", "f4"), ("n_error", "f4"),
+        ("root_norm", "f4"), ("nearest", "f4"), ("centre", "i4", 2), ("box", "i4", 4), ("general", "i4"),
+        ("quadric", "i4"),
     ],
     align=True,
 )  # fmt: skip
-SIMPLE_NORMAL: Final = np.dtype(
-    [("n", "f8", (3, 3)), ("g", "f8", 3), ("key_error", "f8"), ("n_error", "f8"), ("g_norm", "f8")], align=True
-)
 GENERAL: Final = np.dtype(
     [
         ("s", "f8", 6), ("a", "f8", 6), ("b", "f8", 3), ("c", "f8", 6), ("x", "f8", (3, 3)), ("y", "f8", (3, 3)),
@@ -79,6 +78,13 @@ def _unit(depth: Floats) -> float:
     return 2.0 ** float(np.clip(np.frexp(np.median(sample))[1], -900, 900)) if len(sample) else 1.0
 
 
+def _keys(depth: Floats, unit: float, *, orthographic: bool) -> NDArray[np.float32]:
+    """The kernels' keys (1 / t or -t, t in units) of depths, no smaller."""
+    with np.errstate(divide="ignore", over="ignore"):
+        t = depth * ((1 - 2.0**-20) / unit)
+        return (-t if orthographic else 1 / t).astype(np.float32)
+
+
 @dataclass(frozen=True)
 class Visible:
     """The quadrics a frame can see, in depth order ("slots"), and their records on the device.
@@ -87,8 +93,8 @@ class Visible:
         quadric: (m,) int32, index in the document of each slot.
         box: (m, 4) int32 pixel boxes [x0, y0, x1, y1), half-open.
         nearest: (m,) float64, lower bounds of the depth of each slot and all behind it, world units, ascending.
-        record: (m,) int32, row of `simple`, or ~row of `general`.
-        simple, simple_normals, general, clips: records, of SIMPLE, SIMPLE_NORMAL, GENERAL and CLIP.
+        record: (m,) int32, ~row of `general`; not negative where there is none.
+        slots, general, clips: records, of SLOT, GENERAL and CLIP.
         place: (m, 4) int32 by slot and kind of hit (kernels/candidates.h): the row of `planes`, -1 where nothing is
             known. Surfaces of one place are the same set of points, and tie where both are hit.
         planes: what is known of places, of PLANE.
@@ -99,8 +105,7 @@ class Visible:
     box: NDArray[np.int32]
     nearest: Floats
     record: NDArray[np.int32]
-    simple: NDArray[Any]
-    simple_normals: NDArray[Any]
+    slots: NDArray[Any]
     general: NDArray[Any]
     clips: NDArray[Any]
     place: NDArray[np.int32]
@@ -132,48 +137,47 @@ class Setup:
         box, middle, nearest, path, flags = self._bounds(quadrics, camera, view, world, want_back)
 
         seen = _in_depth_order(np.flatnonzero(path != _CULLED).astype(np.int32), nearest)
-        is_simple = path[seen] == _SIMPLE
+        # Of each slot and all behind it: casting stops by it.
+        nearest = np.minimum.accumulate(nearest.take(seen)[::-1])[::-1]
+        unit = _unit(nearest)
+        nearest_key = _keys(nearest, unit, orthographic=view.orthographic)
+        slots, slot_of = queue.kept("slots", len(seen), SLOT), queue.kept("slot_of", len(quadrics), np.int32)
+        slot_of[seen] = np.arange(len(seen), dtype=np.int32)
+        general_slots = np.flatnonzero(path.take(seen) != _SIMPLE)
+        record = np.zeros(len(seen), dtype=np.int32)
+        record[general_slots] = ~np.arange(len(general_slots), dtype=np.int32)
         rows = np.flatnonzero(path == _SIMPLE).astype(np.int32)
-        row_of = np.empty(len(quadrics), dtype=np.int32)
-        row_of[rows] = np.arange(len(rows), dtype=np.int32)
-        record = row_of.take(seen)
-        record[~is_simple] = ~np.arange(len(seen) - len(rows), dtype=np.int32)
-        unit = _unit(nearest[seen])
 
         radii, centres = queue.read_only(quadrics.radii), queue.read_only(middle)
-        target = queue.read_only(view.target)
-        simple = queue.kept("simple", len(rows), SIMPLE)
-        simple_normals = queue.kept("simple_normals", len(rows), SIMPLE_NORMAL)
-        general = queue.kept("general", len(seen) - len(rows), GENERAL)
+        general = queue.kept("general", len(general_slots), GENERAL)
         clips = np.empty(len(quadrics.clip), dtype=CLIP)
         orthographic = np.int32(view.orthographic)
         if len(rows):
             open_rows = queue.kept("open_rows", len(rows), np.uint8)
-            inputs = [queue.read_only(rows), world, radii, centres, rays, np.float64(unit), orthographic, target,
-                      queue.read_only(box), np.array(camera.crop, dtype=np.int32)]  # fmt: skip
-            records = [queue.in_place(simple), queue.in_place(simple_normals)]
-            queue.run(self._quickly, -(-len(rows) // 4), np.int32(len(rows)), *inputs, *records,
-                      queue.in_place(open_rows))  # fmt: skip
+            axis = np.hypot.reduce(view.image_rows, axis=1) * [1, 1, 1 / unit if view.orthographic else 1]
+            inputs = [queue.read_only(rows), queue.read_only(slot_of), world, radii, centres, rays, np.float64(unit),
+                      orthographic, view.principal, np.append(axis, 0.0), queue.read_only(box),
+                      np.array(camera.crop, dtype=np.int32), queue.read_only(nearest_key),
+                      queue.in_place(slots)]  # fmt: skip
+            queue.run(self._quickly, -(-len(rows) // 4), np.int32(len(rows)), *inputs, queue.in_place(open_rows))
             again = np.flatnonzero(open_rows).astype(np.int32)
             if len(again):
-                queue.run(self._simple, -(-len(again) // 4), np.int32(len(again)), queue.read_only(again), *inputs,
-                          *records)  # fmt: skip
-        if not is_simple.all():
-            rows = seen[~is_simple]
+                queue.run(self._simple, -(-len(again) // 4), np.int32(len(again)), queue.read_only(again), *inputs)
+        if len(general_slots):
+            rows = seen[general_slots]
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
                       queue.read_only(quadrics.shape), self._forms, queue.read_only(quadrics.matrix_row),
                       queue.read_only(scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
                       queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
-                      queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic, target,
-                      queue.in_place(general))  # fmt: skip
+                      queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic,
+                      queue.read_only(view.target), queue.in_place(general))  # fmt: skip
+            slots["box"][general_slots], slots["nearest"][general_slots] = box[rows], nearest_key[general_slots]
+            slots["general"][general_slots], slots["quadric"][general_slots] = np.arange(len(rows)), rows
         if len(quadrics.clip):
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
                       queue.read_only(quadrics.clip), rays, np.float64(unit), queue.in_place(clips))  # fmt: skip
-        # Of this slot and all behind it: casting stops by it.
-        nearest = np.minimum.accumulate(nearest[seen][::-1])[::-1]
         place, planes = np.full((len(seen), 4), -1, dtype=np.int32), np.empty(0, dtype=PLANE)
-        return Visible(seen, box.take(seen, axis=0), nearest, record, simple, simple_normals, general, clips, place,
-                       planes, unit)  # fmt: skip
+        return Visible(seen, box.take(seen, axis=0), nearest, record, slots, general, clips, place, planes, unit)
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool

@@ -33,7 +33,7 @@ __kernel void evaluate_general(__global const int2 *pixel, __global const int *r
     }
 }
 
-__kernel void evaluate_simple(__global const int2 *pixel, __global const int *row, __global const simple_record *simple,
+__kernel void evaluate_simple(__global const int2 *pixel, __global const int *row, __global const slot_record *slots,
                               __global double *out)
 {
     int i = get_global_id(0);
@@ -41,12 +41,12 @@ __kernel void evaluate_simple(__global const int2 *pixel, __global const int *ro
     reals x;
     real y;
     middle_of(pixel[i], &tile, &x, &y);
-    __global const simple_record *r = simple + row[i];
+    __global const slot_record *r = slots + row[i];
     double du = tile.x - r->centre[0], dv = tile.y - r->centre[1];
     reals s = at_quadratic(local_quadratic(r->s, du, dv), x + LOCAL(du), y + LOCAL(dv));
     reals b = at_linear(local_linear(r->b, du, dv), x + LOCAL(du), y + LOCAL(dv));
     out[ROW * i] = LANE(real, s, 0);
     out[ROW * i + 1] = r->s_error;
     out[ROW * i + 2] = LANE(real, b, 0);
-    out[ROW * i + 3] = r->slop - sqrt(2 * r->s_error);
+    out[ROW * i + 3] = r->key_error;
 }

@@ -63,8 +63,8 @@ class BoundsProbe:
             repeated = np.repeat(slots, per_quadric)
             box = visible.box[repeated]
             pixels = draw.integers(box[:, :2], box[:, 2:]).astype(np.int32)
-            records = visible.record[repeated]
-            values = self._evaluate(visible, pixels, ~records if is_general else records, general=is_general)
+            records = ~visible.record[repeated] if is_general else repeated.astype(np.int32)
+            values = self._evaluate(visible, pixels, records, general=is_general)
             for k, slot in enumerate(slots):
                 rows = slice(k * per_quadric, (k + 1) * per_quadric)
                 forms = _references(exact, scene, visible, int(slot), general=is_general)
@@ -74,7 +74,7 @@ class BoundsProbe:
         self, visible: Visible, pixels: NDArray[np.int32], rows: NDArray[np.int32], *, general: bool
     ) -> NDArray[np.float64]:
         values = np.zeros((len(pixels), ROW))
-        records = visible.general if general else visible.simple
+        records = visible.general if general else visible.slots
         buffers = [self._queue.read_only(array) for array in (pixels, rows.astype(np.int32), records)]
         clips = [self._queue.read_only(visible.clips)] if general else []
         kernel = self._general if general else self._simple

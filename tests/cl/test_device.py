@@ -13,7 +13,7 @@ from conicoid.device import find_device, list_devices
 from conicoid.errors import DeviceError, KernelError
 from conicoid.memory import Queue
 from conicoid.program import build
-from conicoid.setup import CLIP, GENERAL, PLANE, SIMPLE
+from conicoid.setup import CLIP, GENERAL, PLANE, SLOT
 
 DEVICES = [info.version for info in list_devices()]
 
@@ -64,11 +64,11 @@ def test_host_and_kernels_lay_out_records_alike(version: str) -> None:
     source += """
     __kernel void sizes(__global long *size)
     {
-        size[0] = sizeof(simple_record); size[1] = sizeof(general_record); size[2] = sizeof(clip_record);
+        size[0] = sizeof(slot_record); size[1] = sizeof(general_record); size[2] = sizeof(clip_record);
         size[3] = sizeof(frame); size[4] = sizeof(doubtful_pixel); size[5] = sizeof(plane_record);
     }
     """
     program = pyopencl.Program(queue.context, source).build(["-DREAL_BITS=64", "-DLANES=4", "-DEXACT=1"])
     size = np.zeros(6, dtype=np.int64)
     queue.run(program.sizes, 1, queue.in_place(size))
-    assert size.tolist() == [record.itemsize for record in (SIMPLE, GENERAL, CLIP, _FRAME, DOUBT, PLANE)]
+    assert size.tolist() == [record.itemsize for record in (SLOT, GENERAL, CLIP, _FRAME, DOUBT, PLANE)]

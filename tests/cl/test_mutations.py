@@ -44,7 +44,7 @@ BOUNDS: dict[str, list[Edit]] = {
     "polynomials' bounds over 16": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (15.0 / 16.0")],
     "no bounds of polynomials": [("polynomials.h", "#define CHAIN (15.0", "#define CHAIN (0x1p-60")],
 }
-SIMPLE_S = "r->s_error = in_range ? AT(s_error, lane)"
+SIMPLE_S = "r->s_error = in_range ? bound(AT(s_error, lane))"
 PIXELS: dict[str, list[Edit]] = {
     "no bound of a simple S": [("simple_forms.h", SIMPLE_S, "r->s_error = in_range ? 0.0")],
     "no clearance of a simple root": [("simple.h", "8.01 * r->s_error", "0 * r->s_error")],

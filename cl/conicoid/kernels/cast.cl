@@ -1,6 +1,8 @@
 // One work-item casts one tile: nearest keys first, then the channels that need the winner's form, then those that
 // only need the depth.
 
+#define AHEAD 6
+
 static inline real farthest_key(const tile_state *tile)
 {
     reals m = tile->key[0];
@@ -11,12 +13,10 @@ static inline real farthest_key(const tile_state *tile)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void cast_tiles(__global const frame *f, __global const int *tile_end, __global const int *list,
-                __global const int4 *box, __global const double *nearest_key, __global const int *record_of,
-                __global const int *document_order, __global const int *place_of, __global const uint *id,
-                __global const simple_record *simple, __global const simple_normal_record *simple_normals,
-                __global const general_record *general, __global const clip_record *clips,
-                __global const plane_record *known, __global float *planes, __global uint *ids,
-                __global int *doubt_count, __global doubtful_pixel *doubts)
+                __global const slot_record *slots, __global const general_record *general,
+                __global const clip_record *clips, __global const int *place_of, __global const plane_record *known,
+                __global const uint *id, __global float *planes, __global uint *ids, __global int *doubt_count,
+                __global doubtful_pixel *doubts)
 {
     int tile_index = get_global_id(1) * f->columns + get_global_id(0);
     int u0 = (f->tile_origin[0] + (int)get_global_id(0)) * TILE, v0 = (f->tile_origin[1] + (int)get_global_id(1)) * TILE;
@@ -40,8 +40,7 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
 #endif
     }
     lists in = {.u0 = u0, .v0 = v0, .orthographic = f->orthographic, .want_back = f->channels & WANT_ZBACK,
-                .near = (real)f->near, .far = (real)f->far, .record_of = record_of, .document_order = document_order,
-                .simple = simple, .simple_normals = simple_normals, .general = general, .clips = clips};
+                .near = (real)f->near, .far = (real)f->far, .slots = slots, .general = general, .clips = clips};
 #if EXACT
     in.where = (places){place_of, known};
 #endif
@@ -56,19 +55,24 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
             farthest = farthest_key(&tile);
             stale = 0;
         }
+        // Scenes of many quadrics wait for memory here more than for all else.
+        if (k + AHEAD < end) {
+            __builtin_prefetch(slots + list[k + AHEAD]);
+            __builtin_prefetch((__global const char *)(slots + list[k + AHEAD]) + 64);
+        }
+        __global const slot_record *r = slots + slot;
         // The list is in depth order, its bounds widened: nothing behind every pixel can win, or tie.
-        if ((real)nearest_key[slot] < farthest)
+        if ((real)r->nearest < farthest)
             break;
-        int record = record_of[slot];
-        if (record >= 0) {
-            stale |= cast_simple(&tile, simple + record, slot, box[slot], &in);
+        if (r->general < 0) {
+            stale |= cast_simple(&tile, r, slot, &in);
         } else {
-            general_tile g = move_general(general + ~record, clips, u0 + TILE / 2, v0 + TILE / 2, in.near, in.far);
+            general_tile g = move_general(general + r->general, clips, u0 + TILE / 2, v0 + TILE / 2, in.near, in.far);
             in.general_count++;
 #if EXACT
             g.where = (places){place_of + 4 * slot, known};
 #endif
-            stale |= cast_general(&tile, &g, slot, box[slot], &in);
+            stale |= cast_general(&tile, &g, slot, r->box, &in);
         }
         hit |= stale;
     }
@@ -78,7 +82,7 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
     }
     if (EXACT || (f->channels & WANT_N))
         finish_winners(f, &w, &tile, &in, planes);
-    store_depth_channels(f, &w, &tile, in.ramp, id, planes, ids);
+    store_depth_channels(f, &w, &tile, &in, id, planes, ids);
 #if EXACT
     if (tile.doubtful)
         list_doubts(f, &w, &tile, doubt_count, doubts);

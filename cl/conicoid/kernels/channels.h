@@ -52,7 +52,7 @@ static void store_positions(__global const frame *f, const window *w, tile_state
 }
 
 // Z, T, P, A, id: what follows from the depth alone.
-static void store_depth_channels(__global const frame *f, const window *w, tile_state *tile, reals ramp,
+static void store_depth_channels(__global const frame *f, const window *w, tile_state *tile, const lists *in,
                                  __global const uint *id, __global float *planes, __global uint *ids)
 {
     int channels = f->channels;
@@ -81,7 +81,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     }
     if (channels & WANT_T) {
         for (int cell = 0; cell < CELLS; cell++) {
-            reals u = ramp + ((real)(cell % VECTORS * LANES) + middle_u);
+            reals u = in->ramp + ((real)(cell % VECTORS * LANES) + middle_u);
             real v = cell / VECTORS + (real)0.5 - TILE / 2 + middle_v;
             reals x = (real)f->slant[0][0] * u + (real)f->slant[0][1];
             real y = (real)f->slant[1][0] * v + (real)f->slant[1][1];
@@ -107,7 +107,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     }
     if (channels & WANT_ID) {
         for (int pixel = 0; pixel < TILE * TILE; pixel++)
-            pixel_out[pixel] = as_float(winner[pixel] != MISS ? id[winner[pixel] >> 2] : 0u);
+            pixel_out[pixel] = as_float(winner[pixel] != MISS ? id[in->slots[winner[pixel] >> 2].quadric] : 0u);
         store_tile(w, (__global float *)ids, pixel_out);
     }
 }

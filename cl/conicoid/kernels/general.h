@@ -1,6 +1,6 @@
 // Casting general records.
 
-static int cast_general(tile_state *tile, const general_tile *g, int slot, int4 box, const lists *in)
+static int cast_general(tile_state *tile, const general_tile *g, int slot, __global const int *box, const lists *in)
 {
     const real half_tile = TILE / 2;
 #if EXACT
@@ -10,8 +10,8 @@ static int cast_general(tile_state *tile, const general_tile *g, int slot, int4 
     if (!(g->flags & (HAS_CAPS | ALWAYS_REAL)) && highest_quadratic(g->s, half_tile) * (real)1.0000001 < 0)
         return 0;
 #endif
-    int y0 = max(box.y - in->v0, 0), y1 = min(box.w - in->v0, TILE);
-    int c0 = max(box.x - in->u0, 0) / LANES, c1 = min((box.z - in->u0 + LANES - 1) / LANES, VECTORS);
+    int y0 = max(box[1] - in->v0, 0), y1 = min(box[3] - in->v0, TILE);
+    int c0 = max(box[0] - in->u0, 0) / LANES, c1 = min((box[2] - in->u0 + LANES - 1) / LANES, VECTORS);
     int improved = 0;
     for (int y = y0; y < y1; y++)
         for (int c = c0; c < c1; c++) {

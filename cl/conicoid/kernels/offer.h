@@ -7,9 +7,7 @@ typedef struct {
     int orthographic, want_back;
     int general_count;      // of the tile's candidates so far
     real near, far;
-    __global const int *record_of, *document_order;
-    __global const simple_record *simple;
-    __global const simple_normal_record *simple_normals;
+    __global const slot_record *slots;
     __global const general_record *general;
     __global const clip_record *clips;
 #if EXACT
@@ -43,7 +41,7 @@ __attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, ma
             continue;
         }
 #endif
-        LANE(integer, better, lane) = in->document_order[new >> 2] < in->document_order[old >> 2] ? -1 : 0;
+        LANE(integer, better, lane) = in->slots[new >> 2].quadric < in->slots[old >> 2].quadric ? -1 : 0;
     }
     return better;
 }

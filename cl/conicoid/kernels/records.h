@@ -11,26 +11,25 @@
 #define TILE 16                 // pixels of a tile's side
 #define UNIT_ROUNDOFF 0x1p-53
 
-// A closed surface wholly in front of the camera, kept whole: its nearest hit is one formula,
+// What a tile's list points at, in depth order: where a quadric can be seen, and, of a closed surface wholly in front of
+// the camera, kept whole, all there is to know. Its nearest hit is one formula,
 //     key = b + sqrt(S),  key = 1/t (pinhole), -t (orthographic),
-// with b and S divided by F'DF and (F'DF)^2. Errors are bounds anywhere in the tiles that its box touches; infinite where
-// nothing is known.
+// with b and S divided by F'DF and (F'DF)^2, and so f > 0 outside is (1 - b t)^2 - S t^2 but for a factor, (t + b)^2 - S
+// with parallel rays: its gradient follows from S and b too.
 typedef struct {
     double s[QUADRATIC];
     double b[LINEAR];
-    double s_error;             // of S, evaluated
-    double slop;                // of the key, whatever the root
+    // Bounds of errors anywhere in the tiles that the box touches; infinite where nothing is known.
+    float s_error;              // of S, evaluated
+    float slop;                 // of the key, whatever the root
+    float key_error;            // of the key, but for the root's
+    float n_error, root_norm;   // of the gradient's length, but for the root's, which counts root_norm times
+    float nearest;              // no key of this slot, or of any behind it, is larger
     int centre[2];
-} simple_record;
-
-// Its outward normal, which only winners need: along n + sqrt(S) g.
-typedef struct {
-    double n[3][LINEAR];
-    double g[3];
-    double key_error;           // of the key, but for the root's,
-    double n_error;             // of the vector's length, but for the root's error,
-    double g_norm;              // which counts so many times
-} simple_normal_record;
+    int box[4];                 // pixels [x0, x1) x [y0, y1)
+    int general;                // row of the general record, -1 for the above
+    int quadric;                // place in the document
+} slot_record;
 
 // Any quadric with any extent.
 typedef struct {

@@ -12,20 +12,20 @@ static inline void cross3(const double4 *a, const double4 *b, double4 *out)
 static inline double4 length3(const double4 *a) { return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]); }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
-void set_up_quickly(int count, __global const int *list, __global const double *world_from_object,
-                    __global const double *radii, __global const int2 *middle, __global const double *rays, double unit,
-                    int orthographic, __global const double *target, __global const int4 *box, int4 crop,
-                    __global simple_record *records, __global simple_normal_record *normals, __global uchar *open_rows)
+void set_up_quickly(int count, __global const int *list, __global const int *slot_of,
+                    __global const double *world_from_object, __global const double *radii, __global const int2 *middle,
+                    __global const double *rays, double unit, int orthographic, double2 principal, double4 axis,
+                    __global const int4 *box, int4 crop, __global const float *nearest, __global slot_record *slots,
+                    __global uchar *open_rows)
 {
     int first = 4 * (get_global_id(0) + get_global_size(0) * get_global_id(1));
     if (first >= count)
         return;
-    int quadric[4], row[4], open[4];
+    int quadric[4], open[4];
     moments m;
     double4 a[3][4], r[3], u, v;
     for (int lane = 0; lane < 4; lane++) {
-        row[lane] = min(first + lane, count - 1);
-        int q = quadric[lane] = list[row[lane]];
+        int q = quadric[lane] = list[min(first + lane, count - 1)];
         m.centre[lane] = middle[q];
         AT(u, lane) = m.centre[lane].x;
         AT(v, lane) = m.centre[lane].y;
@@ -39,7 +39,7 @@ void set_up_quickly(int count, __global const int *list, __global const double *
 
     // diag(1/radii) M^-1 as adj(M) / (det(M) radii). With K = |M|^3 / |det M| at least the ratio of any two semi-axes of M,
     // entries of the adjugate are within 3u |M|^2, the determinant within 6u |M|^3, so the map within 12 K u of its norm.
-    double4 adjugate[3][3], spread = (double4)(0.0), rows_norm = spread, determinant = spread;
+    double4 map[3][3], adjugate[3][3], spread = (double4)(0.0), rows_norm = spread, determinant = spread;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int p = (i + 1) % 3, q = (i + 2) % 3, s = (j + 1) % 3, t = (j + 2) % 3;
@@ -52,13 +52,11 @@ void set_up_quickly(int count, __global const int *list, __global const double *
     for (int i = 0; i < 3; i++) {
         double4 scale = per_determinant / r[i];
         for (int j = 0; j < 3; j++) {
-            m.map[i][j] = adjugate[i][j] * scale;
-            rows_norm += m.map[i][j] * m.map[i][j];
+            map[i][j] = adjugate[i][j] * scale;
+            rows_norm += map[i][j] * map[i][j];
         }
     }
-    m.map_norm = sqrt(rows_norm);
-    for (int lane = 0; lane < 4; lane++)
-        AT(m.map_unit, lane) = power_of_two_near_inverse(AT(m.map_norm, lane));
+    double4 map_norm = sqrt(rows_norm);
 
     // The ray through the middle, point + t direction in the world: in double-double.
     dd point[3], direction[3];
@@ -102,10 +100,10 @@ void set_up_quickly(int count, __global const int *list, __global const double *
     }
     cofactor_norm = sqrt(cofactor_norm);
     for (int i = 0; i < 3; i++) {
-        m.fixed[i] = m.map[i][0] * fixed_world[0] + m.map[i][1] * fixed_world[1] + m.map[i][2] * fixed_world[2];
-        m.moving[2][i] = m.map[i][0] * other[0].hi + m.map[i][1] * other[1].hi + m.map[i][2] * other[2].hi;
+        m.fixed[i] = map[i][0] * fixed_world[0] + map[i][1] * fixed_world[1] + map[i][2] * fixed_world[2];
+        m.moving[2][i] = map[i][0] * other[0].hi + map[i][1] * other[1].hi + map[i][2] * other[2].hi;
         for (int axis = 0; axis < 2; axis++)
-            m.moving[axis][i] = m.map[i][0] * part[axis][0] + m.map[i][1] * part[axis][1] + m.map[i][2] * part[axis][2];
+            m.moving[axis][i] = map[i][0] * part[axis][0] + map[i][1] * part[axis][1] + map[i][2] * part[axis][2];
         // F4 = 1 and V4 = 0 for a pinhole, the other way round for parallel rays.
         for (int k = 0; k < LINEAR; k++)
             m.l[3 + i][k] = orthographic ? (k == 2 ? m.fixed[i] : (double4)(0.0)) : -m.moving[k][i];
@@ -122,25 +120,26 @@ void set_up_quickly(int count, __global const int *list, __global const double *
     double4 parts = reach[0] * length3(part[0]) + reach[1] * length3(part[1]);
     double4 crosses = length3(cross[2]) + reach[0] * length3(cross[0]) + reach[1] * length3(cross[1]);
     double4 map_lost = (12.0 * K + 8.0) * UNIT_ROUNDOFF;
-    double4 fixed_size = m.map_norm * fixed_length + (orthographic ? 0.0 : 1.0), moving_size = m.map_norm * (other_length + parts);
-    m.fixed_size = fixed_size;
-    m.map_lost = map_lost;
+    double4 fixed_size = map_norm * fixed_length + (orthographic ? 0.0 : 1.0);
     // The cofactors are within (6K + 8)u; crosses of what moves within 6u of the factors, that of the middle within 2^-98.
     m.l_lost = cofactor_norm * ((6.0 * K + 12.0) * UNIT_ROUNDOFF * crosses + 6.0 * UNIT_ROUNDOFF * fixed_length * parts +
                                 0x1p-98 * fixed_length * (other_length + lost_size)) +
-               map_lost * (orthographic ? m.map_norm * fixed_length : moving_size);
-    m.fv_lost = 3.0 * map_lost * fixed_size * moving_size;
+               map_lost * map_norm * (orthographic ? fixed_length : other_length + parts);
+    m.fv_lost[0] = 3.0 * map_lost * fixed_size * map_norm * length3(part[0]);
+    m.fv_lost[1] = 3.0 * map_lost * fixed_size * map_norm * length3(part[1]);
+    m.fv_lost[2] = 3.0 * map_lost * fixed_size * map_norm * other_length;
     m.ff_lost = 3.0 * map_lost * fixed_size * fixed_size;
     for (int lane = 0; lane < 4; lane++) {
         m.in_range[lane] = workable(AT(determinant, lane)) & workable(AT(volume, lane)) & workable(AT(K, lane));
         for (int k = 0; k < 9; k++)
-            m.in_range[lane] &= workable(AT(m.map[k / 3][k % 3], lane)) & workable(AT(a[k / 3][k % 3], lane)) &
+            m.in_range[lane] &= workable(AT(map[k / 3][k % 3], lane)) & workable(AT(a[k / 3][k % 3], lane)) &
                                 workable(AT(r[k % 3], lane));
         for (int k = 0; k < 3; k++)
             m.in_range[lane] &= workable(AT(fixed_world[k], lane)) & workable(AT(other_world[k], lane));
     }
     int lanes = min(4, count - first);
-    write_simple(&m, reach, quadric, row, lanes, orthographic, target, box, crop, records, normals, open);
+    bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
+    write_simple(&m, reach, quadric, slot_of, lanes, &frame, box, nearest, slots, open);
     for (int lane = 0; lane < lanes; lane++)
         open_rows[first + lane] = open[lane];
 }

@@ -1,19 +1,18 @@
-// Records of the closed surfaces wholly in front of the camera, in double-double.
+// Records of the closed surfaces wholly in front of the camera, in double-double: of rows of `list` that are left.
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
-void set_up_simple(int count, __global const int *rows, __global const int *list, __global const double *world_from_object,
-                   __global const double *radii, __global const int2 *middle, __global const double *rays, double unit,
-                   int orthographic, __global const double *target, __global const int4 *box, int4 crop,
-                   __global simple_record *records, __global simple_normal_record *normals)
+void set_up_simple(int count, __global const int *rows, __global const int *list, __global const int *slot_of,
+                   __global const double *world_from_object, __global const double *radii, __global const int2 *middle,
+                   __global const double *rays, double unit, int orthographic, double2 principal, double4 axis,
+                   __global const int4 *box, int4 crop, __global const float *nearest, __global slot_record *slots)
 {
     int first = 4 * (get_global_id(0) + get_global_size(0) * get_global_id(1));
     if (first >= count)
         return;
-    int row[4], quadric[4], open[4];
+    int quadric[4], open[4];
     moments m;
     for (int lane = 0; lane < 4; lane++) {
-        row[lane] = rows[min(first + lane, count - 1)];
-        quadric[lane] = list[row[lane]];
+        quadric[lane] = list[rows[min(first + lane, count - 1)]];
         m.centre[lane] = middle[quadric[lane]];
     }
     family f;
@@ -28,28 +27,21 @@ void set_up_simple(int count, __global const int *rows, __global const int *list
         for (int k = 0; k < LINEAR; k++)
             m.l[p][k] = form.c[k].hi;
     }
-    double4 farthest = (double4)(0.0);
+    // Every number of the family is within 2^-98 kappa of its size; six moments of two products each, sums of four.
+    double4 lost = 0x1p-95 * f.kappa * f.fixed_norm;
+    m.l_lost = (double4)(0.0);
+    m.ff_lost = lost * f.fixed_norm;
     for (int k = 0; k < LINEAR; k++) {
         m.fv[k] = dd_sub(dd_dot3(f.fixed, f.moving[k]), dd_mul(f.fixed[3], f.moving[k][3])).hi;
+        m.fv_lost[k] = lost * f.moving_norm[k];
+        m.l_lost += reach[k] * m.fv_lost[k];
         for (int i = 0; i < 4; i++)
             m.moving[k][i] = f.moving[k][i].hi;
-        farthest += reach[k] * f.moving_norm[k];
     }
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
         m.fixed[i] = f.fixed[i].hi;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            m.map[i][j] = f.map[i][j].hi;
-    m.map_unit = f.map_unit;
-    m.map_norm = f.map_norm;
-    m.fixed_size = f.fixed_norm;
-    // Every number of the family is within 2^-98 kappa of its size; six moments of two products each, sums of four.
-    double4 unit_lost = 0x1p-98 * f.kappa;
-    m.l_lost = 8.0 * unit_lost * f.fixed_norm * farthest;
-    m.fv_lost = 8.0 * unit_lost * f.fixed_norm * farthest;
-    m.ff_lost = 8.0 * unit_lost * f.fixed_norm * f.fixed_norm;
-    m.map_lost = unit_lost;
-    for (int lane = 0; lane < 4; lane++)
-        m.in_range[lane] = f.in_range[lane];
-    write_simple(&m, reach, quadric, row, min(4, count - first), orthographic, target, box, crop, records, normals, open);
+        m.in_range[i] = f.in_range[i];
+    }
+    bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
+    write_simple(&m, reach, quadric, slot_of, min(4, count - first), &frame, box, nearest, slots, open);
 }

@@ -9,13 +9,18 @@ typedef struct {
     double4 fixed[4], moving[LINEAR][4];
     double4 l[6][LINEAR];       // L12 L13 L23 L14 L24 L34, Lij = Fi Vj - Fj Vi
     double4 ff, fv[LINEAR];     // F'DF, F'DV
-    double4 map[3][3], map_unit, map_norm;
-    double4 fixed_size;         // of F before anything cancelled
-    // Lost: the length of all moments' errors at the farthest pixel of the box, the error of F'DV there, and of F'DF; of
-    // the map and of F relative to map_norm and fixed_size.
-    double4 l_lost, fv_lost, ff_lost, map_lost;
+    // Lost: the length of all moments' errors at the farthest pixel of the box, of F'DV's coefficients, of F'DF.
+    double4 l_lost, fv_lost[LINEAR], ff_lost;
     int in_range[4];
 } moments;
+
+// The frame as records are bounded in it.
+typedef struct {
+    int4 crop;
+    int orthographic;
+    double2 principal;
+    double axis[3];             // lengths of the gradients of u, v (times depth, about the principal point) and depth
+} bounds_frame;
 
 // The farthest pixel of each box from its centre, (|u|, |v|, 1). Casting looks at whole tiles. Beyond the box of a whole,
 // small ellipse, though, S falls faster than its error grows: at rho times the way from its middle to its rim S is
@@ -37,10 +42,13 @@ static void reach_of(const int *quadric, const int2 *centre, __global const int4
     }
 }
 
-// Writes up to `lanes` records; open[lane] tells which of them are not known well enough to be worth casting.
-static void write_simple(const moments *m, const double4 *reach, const int *quadric, const int *row, int lanes,
-                         int orthographic, __global const double *target, __global const int4 *box, int4 crop,
-                         __global simple_record *records, __global simple_normal_record *normals, int *open)
+// Rounded up; what underflows is replaced by something larger.
+static inline float bound(double x) { return (float)x * 1.000001f + 0x1p-120f; }
+
+// Writes up to `lanes` records; open[lane] tells which of them deserve double-double.
+static void write_simple(const moments *m, const double4 *reach, const int *quadric, __global const int *slot_of, int lanes,
+                         const bounds_frame *frame, __global const int4 *box, __global const float *nearest,
+                         __global slot_record *slots, int *open)
 {
     double4 s[QUADRATIC];
     for (int k = 0; k < QUADRATIC; k++)
@@ -55,63 +63,66 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
         s[4] = fma(2.0 * y, m->l[p][2], s[4]);
         s[5] = fma(z, m->l[p][2], s[5]);
     }
-    // Pinhole: key = s = -b/c + sqrt(S)/|c|, on X + Y/s. Orthographic: key = -t = b/a + sqrt(S)/a.
-    double4 b[LINEAR], n[3][LINEAR], g[3], per_ff = 1.0 / m->ff;
-    double4 root_sign = orthographic ? (double4)(-1.0) : (double4)(1.0);
-    for (int k = 0; k < LINEAR; k++) {
-        b[k] = -root_sign * m->fv[k] * per_ff;
-        // D(V - (b/ff) F) without its cancellation: -sum_k (DF)_k L_ik / ff.
-        double4 w[3];
-        w[0] = m->fixed[1] * m->l[0][k] + m->fixed[2] * m->l[1][k] - m->fixed[3] * m->l[3][k];
-        w[1] = -m->fixed[0] * m->l[0][k] + m->fixed[2] * m->l[2][k] - m->fixed[3] * m->l[4][k];
-        w[2] = -m->fixed[0] * m->l[1][k] - m->fixed[1] * m->l[2][k] - m->fixed[3] * m->l[5][k];
-        for (int j = 0; j < 3; j++)
-            n[j][k] = -(m->map[0][j] * w[0] + m->map[1][j] * w[1] + m->map[2][j] * w[2]) * m->map_unit * per_ff;
-    }
-    for (int j = 0; j < 3; j++)
-        g[j] = root_sign * m->map_unit *
-               (m->map[0][j] * m->fixed[0] + m->map[1][j] * m->fixed[1] + m->map[2][j] * m->fixed[2]);
+    // Pinhole: key = -b/c + sqrt(S)/|c|. Orthographic: key = -t = b/a + sqrt(S)/a.
+    double4 b[LINEAR], per_ff = 1.0 / m->ff;
+    double4 side = frame->orthographic ? per_ff : -per_ff;
+    for (int k = 0; k < LINEAR; k++)
+        b[k] = m->fv[k] * side;
     for (int k = 0; k < QUADRATIC; k++)
         s[k] = (s[k] * per_ff) * per_ff;
 
     // The conic's highest value, where it is an ellipse.
     double4 bend = 4.0 * s[0] * s[2] - s[1] * s[1];
     double4 summit = s[5] + (s[1] * s[3] * s[4] - s[2] * s[3] * s[3] - s[0] * s[4] * s[4]) / bend;
-    // Sums of the terms' magnitudes at the farthest pixel: expanded in the moments l, those of S add up to l_norm^2 at
-    // most, those of b to b_norm, those of the vector n to n_norm in length.
-    double4 f_norm = (double4)(0.0), l_norm = f_norm, v_norm = f_norm;
+    // Sums of the terms' magnitudes: expanded in the moments l, those of S at the farthest pixel add up to l_norm^2 at most,
+    // those of b's coefficients to b_norm.
+    double4 per_size = fabs(per_ff), skew = m->ff_lost * per_size;
+    double4 f_norm = (double4)(0.0), l_norm = f_norm, b_norm[LINEAR], b_lost[LINEAR], b_size = f_norm, b_error = f_norm;
     for (int p = 0; p < 6; p++) {
         double4 moment = reach[0] * fabs(m->l[p][0]) + reach[1] * fabs(m->l[p][1]) + fabs(m->l[p][2]);
         l_norm += moment * moment;
     }
-    for (int i = 0; i < 4; i++) {
-        double4 moving = reach[0] * fabs(m->moving[0][i]) + reach[1] * fabs(m->moving[1][i]) + fabs(m->moving[2][i]);
-        f_norm += m->fixed[i] * m->fixed[i];
-        v_norm += moving * moving;
-    }
-    double4 per_size = fabs(per_ff), skew = m->ff_lost * per_size;
-    f_norm = sqrt(f_norm);
     l_norm = sqrt(l_norm) * per_size;
-    double4 b_norm = f_norm * sqrt(v_norm) * per_size, lost = m->l_lost * per_size;
-    double4 map_norm = m->map_unit * m->map_norm;
-    double4 n_norm = map_norm * f_norm * l_norm, g_norm = map_norm * f_norm;
+    for (int i = 0; i < 4; i++)
+        f_norm += m->fixed[i] * m->fixed[i];
+    f_norm = sqrt(f_norm) * per_size;
+    for (int k = 0; k < LINEAR; k++) {
+        double4 length = (double4)(0.0);
+        for (int i = 0; i < 4; i++)
+            length += m->moving[k][i] * m->moving[k][i];
+        b_norm[k] = f_norm * sqrt(length);
+        b_lost[k] = m->fv_lost[k] * per_size + 1.25 * skew * b_norm[k];
+        b_size += reach[k] * b_norm[k];
+        b_error += reach[k] * b_lost[k];
+    }
+    double4 lost = m->l_lost * per_size;
     // Roundings that a term passes through at most. S: 14 in set-up (moments, sums, products by a rounded 1/F'DF), 5 in
-    // evaluation, 1 in raising it. b: 4 and 3, and 2 in the key. n: 16 and 4, g sqrt(S) fewer.
+    // evaluation, 1 in raising it. b: 4 and 3, and 2 in the key.
     double4 s_error = 22.0 * UNIT_ROUNDOFF * l_norm * l_norm + (2.0 * l_norm + lost) * lost + 2.5 * skew * l_norm * l_norm;
-    double4 key_error = UNIT_ROUNDOFF * (10.0 * b_norm + 4.0 * l_norm) + m->fv_lost * per_size + 1.25 * skew * b_norm;
-    double4 n_error = (22.0 * UNIT_ROUNDOFF + 1.25 * skew) * (n_norm + g_norm * l_norm) +
-                      map_norm * (f_norm * lost + 4.0 * m->map_lost * m->fixed_size * l_norm);
+    double4 key_error = UNIT_ROUNDOFF * (10.0 * b_size + 4.0 * l_norm) + b_error;
+    // The gradient, sum_k axis_k (sqrt(S) b_k + S_k / 2) with the conic's partial derivatives S_k: those are sums of products
+    // of moments with one coefficient left out, within s_error / reach_k, and 12 more roundings are in products and sums.
+    double4 n_error = (double4)(0.0), root_norm = (double4)(0.0);
+    for (int k = 0; k < LINEAR; k++) {
+        double4 axis = (double4)(frame->axis[k]);
+        for (int lane = 0; lane < 4 && k < 2 && !frame->orthographic; lane++)
+            AT(axis, lane) += frame->axis[2] * fabs(k == 0 ? frame->principal.x - m->centre[lane].x
+                                                           : frame->principal.y - m->centre[lane].y);
+        double4 of_root = fabs(b[k]) + b_lost[k];
+        double4 rounded = 20.0 * UNIT_ROUNDOFF * b_norm[k] + b_lost[k];
+        if (frame->orthographic && k == 2) {
+            // The third is sqrt(S) alone.
+            of_root = (double4)(1.0);
+            rounded = (double4)(12.0 * UNIT_ROUNDOFF);
+        }
+        n_error += axis * ((s_error + 12.0 * UNIT_ROUNDOFF * l_norm * l_norm) / reach[k] + l_norm * rounded);
+        root_norm += axis * of_root;
+    }
 
-    // Normals to unit length at the centre: binary32 casting squares them.
-    double4 length = (double4)(0.0);
-    for (int j = 0; j < 3; j++)
-        length += n[j][2] * n[j][2] + g[j] * g[j] * fabs(s[5]);
-    length = 1.0 / sqrt(length);
     for (int lane = 0; lane < lanes; lane++) {
-        __global simple_record *r = records + row[lane];
-        __global simple_normal_record *o = normals + row[lane];
-        double scale = AT(length, lane);
-        scale = isfinite(scale) ? scale : 1.0;
+        int slot = slot_of[quadric[lane]];
+        int4 own_box = box[quadric[lane]];
+        __global slot_record *r = slots + slot;
         int in_range = m->in_range[lane];
         for (int k = 0; k < QUADRATIC; k++)
             in_range &= workable(AT(s[k], lane)) & workable(k < LINEAR ? AT(b[k], lane) : 0.0);
@@ -122,27 +133,28 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
         in_range &= AT(skew, lane) < 0x1p-20;
         // Nor is a rim that the errors blur by as much as a box leaves.
         int ellipse = AT(bend, lane) > 0.0;
-        in_range &= !whole_ellipse(box[quadric[lane]], crop) | (ellipse && AT(summit, lane) > 0x1p22 * AT(s_error, lane));
-        open[lane] = !in_range | !(ellipse && AT(summit, lane) > 0x1p32 * AT(s_error, lane));
+        in_range &= !whole_ellipse(own_box, frame->crop) | (ellipse && AT(summit, lane) > 0x1p22 * AT(s_error, lane));
+        // Many pixels deserve close bounds: each that they leave open costs as much as one quadric in double-double.
+        open[lane] = !in_range | !(ellipse && AT(summit, lane) > 0x1p32 * AT(s_error, lane)) |
+                     ((own_box.z - own_box.x) * (own_box.w - own_box.y) > 1024);
         for (int k = 0; k < QUADRATIC; k++)
             r->s[k] = AT(s[k], lane);
         for (int k = 0; k < LINEAR; k++)
             r->b[k] = AT(b[k], lane);
         // What is out of range is left to exact arithmetic.
-        r->s_error = in_range ? AT(s_error, lane) : INFINITY;
-        r->slop = AT(key_error, lane) + sqrt(2.0 * r->s_error) * (1.0 + 4.0 * UNIT_ROUNDOFF);
+        r->s_error = in_range ? bound(AT(s_error, lane)) : INFINITY;
+        r->slop = bound(AT(key_error, lane) + sqrt(2.0 * r->s_error));
+        r->key_error = bound(AT(key_error, lane));
+        r->n_error = bound(AT(n_error, lane));
+        r->root_norm = bound(AT(root_norm, lane));
+        r->nearest = nearest[slot];
         r->centre[0] = m->centre[lane].x;
         r->centre[1] = m->centre[lane].y;
-        for (int j = 0; j < 3; j++) {
-            for (int k = 0; k < LINEAR; k++)
-                o->n[j][k] = scale * (target[j] * AT(n[0][k], lane) + target[3 + j] * AT(n[1][k], lane) +
-                                      target[6 + j] * AT(n[2][k], lane));
-            o->g[j] = scale * (target[j] * AT(g[0], lane) + target[3 + j] * AT(g[1], lane) + target[6 + j] * AT(g[2], lane));
-        }
-        // A target frame is a rotation within 1e-6.
-        o->key_error = AT(key_error, lane);
-        o->n_error = 1.01 * scale * AT(n_error, lane);
-        o->g_norm = 1.01 * (sqrt(o->g[0] * o->g[0] + o->g[1] * o->g[1] + o->g[2] * o->g[2]) +
-                            scale * AT(map_norm, lane) * 4.0 * AT(m->map_lost, lane) * AT(m->fixed_size, lane));
+        r->box[0] = own_box.x;
+        r->box[1] = own_box.y;
+        r->box[2] = own_box.z;
+        r->box[3] = own_box.w;
+        r->general = -1;
+        r->quadric = quadric[lane];
     }
 }

@@ -12,6 +12,8 @@
 typedef struct {
     double rays[6][3];      // point 1, u, v, direction 1, u, v, world axes, directions not scaled
     double back[3][3];      // towards the eye in target space: x, y, z each u, v, 1
+    double axes[3][3];      // less the gradients of u, v (both times depth, about the principal point) and depth, target space
+    double principal[2];
     double slant[2][2];     // camera ray (u scale, offset), (v scale, offset), for |d|
     double unit;            // kernels' t times this is depth
     double near, far;       // in units

@@ -60,11 +60,11 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
             start++;
             continue;
         }
-        int record = in->record_of[slot];
+        int general = in->slots[slot].general;
         general_tile g;
         general_normal gn;
-        if (record < 0) {
-            __global const general_record *r = in->general + ~record;
+        if (general >= 0) {
+            __global const general_record *r = in->general + general;
             g = move_general(r, in->clips, middle_u, middle_v, in->near, in->far);
             gn = move_general_normal(r, middle_u - r->centre[0], middle_v - r->centre[1]);
         }
@@ -73,7 +73,7 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
             if (!some(mine))
                 continue;
             left[cell] = mine ? (mask)(MISS) : left[cell];
-            if (record >= 0)
+            if (general < 0)
                 continue;
 #if EXACT
             tile->error[cell] = mine ? tile->key[cell] - tile->bar[cell] : tile->error[cell];
@@ -92,8 +92,8 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
 }
 
 // The simple winners of one cell: blends their gradients into `n`.
-static inline vector3 simple_gradients(tile_state *tile, const lists *in, int cell, reals u, real v, int want_normals,
-                                       vector3 n)
+static inline vector3 simple_gradients(__global const frame *f, tile_state *tile, const lists *in, int cell, reals u,
+                                       real v, vector3 n)
 {
     mask slots = tile->winner[cell] >> 2, left = slots;
 #if EXACT
@@ -105,19 +105,17 @@ static inline vector3 simple_gradients(tile_state *tile, const lists *in, int ce
             continue;
         mask mine = slots == (mask)(slot);
         left = mine ? (mask)(MISS) : left;
-        int record = in->record_of[slot];
-        if (record < 0)
+        __global const slot_record *r = in->slots + slot;
+        if (r->general >= 0)
             continue;
-        __global const simple_record *r = in->simple + record;
         reals root = tile->root[cell], root_error = (reals)(0);
 #if EXACT
         root_error = simple_root_error(r, root);
-        tile->error[cell] = mine ? in->simple_normals[record].key_error + root_error : tile->error[cell];
+        tile->error[cell] = mine ? r->key_error + root_error : tile->error[cell];
         unclear |= mine & unclear_root(r, root);
 #endif
-        if (want_normals)
-            n = choose(mine, simple_normal_at(in->simple_normals + record, root, root_error, u - (real)r->centre[0],
-                                              v - (real)r->centre[1]), n);
+        if (f->channels & WANT_N)
+            n = choose(mine, simple_gradient_at(f, r, root, root_error, u - (real)r->centre[0], v - (real)r->centre[1]), n);
     }
 #if EXACT
     note_doubt(tile, cell, unclear, DOUBT_HIT);
@@ -176,7 +174,7 @@ static void finish_winners(__global const frame *f, const window *w, tile_state 
         reals u = in->ramp + (real)(cell % VECTORS * LANES + in->u0 + TILE / 2);
         real v = cell / VECTORS + in->v0 + (real)0.5;
         vector3 none = {(reals)(0), (reals)(0), (reals)(0)};
-        gradient[cell] = simple_gradients(tile, in, cell, u, v, want_normals, in->general_count > 0 ? gradient[cell] : none);
+        gradient[cell] = simple_gradients(f, tile, in, cell, u, v, in->general_count > 0 ? gradient[cell] : none);
     }
     if (want_normals)
         store_normals(f, w, tile, gradient, planes);
