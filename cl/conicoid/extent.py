@@ -20,6 +20,7 @@ SINGULAR: Final = 8
 _CODE: Final = {shape.name: shape.code for shape in SHAPES}
 # Shapes that are bounded as a whole, by code.
 _CLOSED: Final = np.array([shape.name in {"sphere", "ellipsoid"} for shape in SHAPES])
+_MAY_LIE_IN_AN_END: Final = np.array([shape.name in {"plane", "parallel_planes"} for shape in SHAPES])
 # Widens every computed size: a box may be too large by this, never too small.
 _SLACK: Final = 1 + 2.0**-40
 
@@ -105,7 +106,7 @@ def clear_of_planes(quadrics: Quadrics) -> Floats:
     `plane` is z = 0 and `parallel_planes` z = -c and c, so whether a sheet is kept is known here; a range that ends on
     one would leave every pixel of it to exact arithmetic. Caps need the ends as they are.
     """
-    if not np.isin(quadrics.shape, [_CODE["plane"], _CODE["parallel_planes"]]).any():
+    if not _MAY_LIE_IN_AN_END[quadrics.shape].any():
         return quadrics.z_range
     z_range = quadrics.z_range.copy()
     ranged = np.isfinite(z_range[:, 0]) & ~quadrics.capped

@@ -169,6 +169,8 @@ def _drowned(general: NDArray[Any]) -> NDArray[np.intp]:
     A paraboloid seen along its axis has a = 0 at every pixel, an eye on a surface c = 0, a cylinder seen end-on both
     b = 0 and S = 0.
     """
+    if not len(general):
+        return np.empty(0, dtype=np.intp)
     largest = {name: np.abs(general[name]).max(axis=1, initial=0) for name in ("a", "b", "c", "s")}
     fixed, moving, moment = general["fixed_norm"], general["moving_norm"][:, 2], general["moment_norm"].max(axis=1)
     orthographic = (general["flags"] & _ORTHOGRAPHIC) != 0

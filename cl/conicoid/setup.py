@@ -1,5 +1,6 @@
 """Per quadric: bounds, culling, depth order, and the records that casting reads."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -73,9 +74,9 @@ def _in_depth_order(seen: NDArray[np.int32], nearest: Floats) -> NDArray[np.int3
 
 def _unit(depth: Floats) -> float:
     """A power of two near the depths' median, by a sample."""
-    sample = depth[:: max(1, len(depth) // 1024)]
+    sample = np.sort(depth[:: max(1, len(depth) // 1024)])
     sample = sample[sample > 0]
-    return 2.0 ** float(np.clip(np.frexp(np.median(sample))[1], -900, 900)) if len(sample) else 1.0
+    return 2.0 ** min(max(math.frexp(sample[len(sample) // 2])[1], -900), 900) if len(sample) else 1.0
 
 
 def _keys(depth: Floats, unit: float, *, orthographic: bool) -> NDArray[np.float32]:

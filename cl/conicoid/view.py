@@ -5,10 +5,11 @@ computed in exact rationals from the camera's binary64 numbers and rounded once 
 """
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
+from flint import fmpq
 
+from conicoid.exact.rationals import exact
 from conicoid.scene import Camera, Floats, Output
 
 
@@ -38,16 +39,16 @@ class View:
 
 def view_of(camera: Camera, output: Output) -> View:
     """The frame's constants; `output.normal_space` chooses the target frame of normals."""
-    world_from_camera = [[Fraction(float(value)) for value in row] for row in camera.world_from_camera[:3]]
+    world_from_camera = [[exact(value) for value in row] for row in camera.world_from_camera[:3].tolist()]
     right, up, back = ([row[k] for row in world_from_camera] for k in range(3))
     origin = [row[3] for row in world_from_camera]
-    fx, fy, cx, cy = (Fraction(value) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
+    fx, fy, cx, cy = (exact(float(value)) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
 
     across = [x / fx for x in right]
     down = [-y / fy for y in up]
     corner = [-x * cx - y * cy for x, y in zip(across, down, strict=True)]
     forward = [-z for z in back]
-    zero = [Fraction(0)] * 3
+    zero = [fmpq(0)] * 3
     if camera.projection == "orthographic":
         point = ([o + x for o, x in zip(origin, corner, strict=True)], across, down)
         direction = (forward, zero, zero)
@@ -56,11 +57,10 @@ def view_of(camera: Camera, output: Output) -> View:
         direction = ([x + z for x, z in zip(corner, forward, strict=True)], across, down)
     rays = np.array([[_double_double(x) for x in vector] for vector in point + direction])
 
-    rotation = np.array([[float(x) for x in row[:3]] for row in world_from_camera])
     camera_from_world = _inverse([row[:3] for row in world_from_camera])
     rows = ([x * fx for x in camera_from_world[0]], [-x * fy for x in camera_from_world[1]],
             [-x for x in camera_from_world[2]])  # fmt: skip
-    world_back = -np.array([[float(x) for x in vector] for vector in direction]).T[:, [1, 2, 0]]
+    world_back = -rays[3:, :, 0].T[:, [1, 2, 0]]
     in_camera = output.normal_space == "camera"
     camera_direction = np.array([[1 / camera.fx, 0, -camera.cx / camera.fx],
                                  [0, -1 / camera.fy, camera.cy / camera.fy], [0, 0, -1]])  # fmt: skip
@@ -69,20 +69,25 @@ def view_of(camera: Camera, output: Output) -> View:
     return View(
         orthographic=camera.projection == "orthographic",
         rays=rays,
-        image_rows=np.array([[float(x) for x in row] for row in rows]),
-        origin=np.array([float(x) for x in origin]),
+        image_rows=np.array([[_nearest(x) for x in row] for row in rows]),
+        origin=camera.world_from_camera[:3, 3],
         principal=np.array([camera.cx, camera.cy]),
-        target=rotation if in_camera else np.eye(3),
+        target=camera.world_from_camera[:3, :3] if in_camera else np.eye(3),
         back=-camera_direction if in_camera else world_back,
     )
 
 
-def _double_double(value: Fraction) -> tuple[float, float]:
-    hi = float(value)
-    return hi, float(value - Fraction(hi))
+def _nearest(value: fmpq) -> float:
+    """The nearest binary64: Python divides integers with correct rounding."""
+    return int(value.p) / int(value.q)
 
 
-def _inverse(rows: list[list[Fraction]]) -> list[list[Fraction]]:
+def _double_double(value: fmpq) -> tuple[float, float]:
+    hi = _nearest(value)
+    return hi, _nearest(value - exact(hi))
+
+
+def _inverse(rows: list[list[fmpq]]) -> list[list[fmpq]]:
     (a, b, c), (d, e, f), (g, h, i) = rows
     adjugate = [[e * i - f * h, c * h - b * i, b * f - c * e],
                 [f * g - d * i, a * i - c * g, c * d - a * f],
