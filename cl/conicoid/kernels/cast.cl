@@ -27,7 +27,8 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
         return;
     }
     tile_state tile;
-    real empty = f->orthographic ? -INFINITY : 0;
+    // Behind everything, and finite: what is certain is told by differences.
+    real empty = f->orthographic ? (real)-0x1p1000 : 0;
 #if EXACT
     tile.doubtful = 0;
 #endif

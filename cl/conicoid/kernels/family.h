@@ -29,6 +29,12 @@ static inline dd ray_part(__global const double *rays, int part, int axis) { ret
 // Whether products of three such numbers, and their double-double tails, stay within binary64's normal range.
 static inline int workable(double x) { return x == 0.0 || (fabs(x) > 0x1p-280 && fabs(x) < 0x1p280); }
 
+static inline long4 all_workable(double4 x)
+{
+    double4 size = fabs(x);
+    return (x == 0.0) | ((size > 0x1p-280) & (size < 0x1p280));
+}
+
 // 2^-k for x in [2^k, 2^(k+1)), k within +-1000; 1 for 0.
 static inline double power_of_two_near_inverse(double x)
 {

@@ -24,8 +24,10 @@ __attribute__((noinline)) static mask settle_ties(tile_state *tile, int cell, ma
         if (!LANE(integer, tied, lane))
             continue;
         int old = (int)LANE(integer, tile->winner[cell], lane), new = (int)LANE(integer, challenger, lane);
-        if (old == MISS)
+        if (old == MISS) {
+            LANE(integer, better, lane) = -1;
             continue;
+        }
 #if EXACT
         double u = in->u0 + cell % VECTORS * LANES + lane + 0.5, v = in->v0 + cell / VECTORS + 0.5;
         int order = nearer_place(in->where, in->where.of[old], in->where.of[new], u, v);
@@ -62,13 +64,12 @@ static inline mask offer(tile_state *tile, int cell, mask plausible, reals key, 
                          const lists *in)
 {
     reals best = tile->key[cell];
-    mask better = key > best;
 #if EXACT
+    // A plausible key is better for certain or ties: |key - best| <= slop + (best - bar).
     reals bar = tile->bar[cell], low = key - slop;
-    // |key - best| <= slop + (best - bar)
-    mask tied = plausible & (low <= 2 * best - bar);
+    mask better = plausible & (low > 2 * best - bar), tied = plausible & ~better;
 #else
-    mask tied = plausible & (key == best);
+    mask better = key > best, tied = plausible & (key == best);
 #endif
     if (some(tied))
         better = settle_ties(tile, cell, tied, better, challenger, in);

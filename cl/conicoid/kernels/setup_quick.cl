@@ -129,14 +129,11 @@ void set_up_quickly(int count, __global const int *list, __global const int *slo
     m.fv_lost[1] = 3.0 * map_lost * fixed_size * map_norm * length3(part[1]);
     m.fv_lost[2] = 3.0 * map_lost * fixed_size * map_norm * other_length;
     m.ff_lost = 3.0 * map_lost * fixed_size * fixed_size;
-    for (int lane = 0; lane < 4; lane++) {
-        m.in_range[lane] = workable(AT(determinant, lane)) & workable(AT(volume, lane)) & workable(AT(K, lane));
-        for (int k = 0; k < 9; k++)
-            m.in_range[lane] &= workable(AT(map[k / 3][k % 3], lane)) & workable(AT(a[k / 3][k % 3], lane)) &
-                                workable(AT(r[k % 3], lane));
-        for (int k = 0; k < 3; k++)
-            m.in_range[lane] &= workable(AT(fixed_world[k], lane)) & workable(AT(other_world[k], lane));
-    }
+    m.in_range = all_workable(determinant) & all_workable(volume) & all_workable(K);
+    for (int k = 0; k < 9; k++)
+        m.in_range &= all_workable(map[k / 3][k % 3]) & all_workable(a[k / 3][k % 3]);
+    for (int k = 0; k < 3; k++)
+        m.in_range &= all_workable(r[k]) & all_workable(fixed_world[k]) & all_workable(other_world[k]);
     int lanes = min(4, count - first);
     bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
     write_simple(&m, reach, quadric, slot_of, lanes, &frame, box, nearest, slots, open);

@@ -40,7 +40,7 @@ void set_up_simple(int count, __global const int *rows, __global const int *list
     }
     for (int i = 0; i < 4; i++) {
         m.fixed[i] = f.fixed[i].hi;
-        m.in_range[i] = f.in_range[i];
+        ((__private long *)&m.in_range)[i] = f.in_range[i] ? -1 : 0;
     }
     bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
     write_simple(&m, reach, quadric, slot_of, min(4, count - first), &frame, box, nearest, slots, open);

@@ -3,6 +3,8 @@
 // D = diag(1, 1, 1, -1), so S = |V4 F - F4 V|^2 - |F x V|^2 with no cancellation but the silhouette's own: once the
 // moments are known, binary64 loses nothing that casting would keep.
 
+#define IS(mask, lane) (((__private const long *)&(mask))[lane] != 0)
+
 // Four quadrics' rays in parameter space, to binary64, and bounds of what was lost before.
 typedef struct {
     int2 centre[4];
@@ -11,7 +13,7 @@ typedef struct {
     double4 ff, fv[LINEAR];     // F'DF, F'DV
     // Lost: the length of all moments' errors at the farthest pixel of the box, of F'DV's coefficients, of F'DF.
     double4 l_lost, fv_lost[LINEAR], ff_lost;
-    int in_range[4];
+    long4 in_range;
 } moments;
 
 // The frame as records are bounded in it.
@@ -119,24 +121,24 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
         root_norm += axis * of_root;
     }
 
+    long4 usable = m->in_range;
+    for (int k = 0; k < QUADRATIC; k++)
+        usable &= all_workable(s[k]) & all_workable(b[k % LINEAR]);
+    for (int p = 0; p < 6; p++)
+        for (int k = 0; k < LINEAR; k++)
+            usable &= all_workable(m->l[p][k]);
+    // An eye so near the surface that F'DF itself is in doubt.
+    usable &= skew < 0x1p-20;
+    long4 ellipse = bend > 0.0, sharp = ellipse & (summit > 0x1p22 * s_error), sharper = ellipse & (summit > 0x1p32 * s_error);
     for (int lane = 0; lane < lanes; lane++) {
         int slot = slot_of[quadric[lane]];
         int4 own_box = box[quadric[lane]];
-        __global slot_record *r = slots + slot;
-        int in_range = m->in_range[lane];
-        for (int k = 0; k < QUADRATIC; k++)
-            in_range &= workable(AT(s[k], lane)) & workable(k < LINEAR ? AT(b[k], lane) : 0.0);
-        for (int p = 0; p < 6; p++)
-            for (int k = 0; k < LINEAR; k++)
-                in_range &= workable(AT(m->l[p][k], lane));
-        // An eye so near the surface that F'DF itself is in doubt.
-        in_range &= AT(skew, lane) < 0x1p-20;
-        // Nor is a rim that the errors blur by as much as a box leaves.
-        int ellipse = AT(bend, lane) > 0.0;
-        in_range &= !whole_ellipse(own_box, frame->crop) | (ellipse && AT(summit, lane) > 0x1p22 * AT(s_error, lane));
+        slot_record own __attribute__((aligned(32)));
+        slot_record *r = &own;
+        // Out of range too is a rim that the errors blur by as much as a box leaves.
+        int in_range = IS(usable, lane) && (IS(sharp, lane) || !whole_ellipse(own_box, frame->crop));
         // Many pixels deserve close bounds: each that they leave open costs as much as one quadric in double-double.
-        open[lane] = !in_range | !(ellipse && AT(summit, lane) > 0x1p32 * AT(s_error, lane)) |
-                     ((own_box.z - own_box.x) * (own_box.w - own_box.y) > 1024);
+        open[lane] = !in_range || !IS(sharper, lane) || (own_box.z - own_box.x) * (own_box.w - own_box.y) > 1024;
         for (int k = 0; k < QUADRATIC; k++)
             r->s[k] = AT(s[k], lane);
         for (int k = 0; k < LINEAR; k++)
@@ -156,5 +158,8 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
         r->box[3] = own_box.w;
         r->general = -1;
         r->quadric = quadric[lane];
+        // Slots lie anywhere: streamed past the cache, which saves reading them first.
+        for (int k = 0; k < 4; k++)
+            __builtin_nontemporal_store(((double4 *)r)[k], (__global double4 *)(slots + slot) + k);
     }
 }
