@@ -21,7 +21,7 @@ DOCUMENTS = {name: case.document for name, case in {**CATALOGUE, **STRESS}.items
 @pytest.fixture(scope="module")
 def doubtful(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Renderer]:
     with pytest.MonkeyPatch.context() as patch:
-        doubt = "floats low = TO_FLOATS(x - error);"
+        doubt = "return __builtin_convertvector(~((low"
         edit_kernels(tmp_path_factory.mktemp("edited"), [("certify.h", doubt, f"return (mask)(-1); {doubt}")], patch)
         yield Renderer()
 

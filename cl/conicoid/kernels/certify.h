@@ -4,12 +4,11 @@
 // N is rounded to multiples of this, P to units in the last place of its largest component: small components are as
 // coarse as large ones, so that a zero is never hard to round.
 #define NORMAL_STEP 0x1p-23
-// Where a value within `error` of x may round to another binary32 than x does. Numbers below binary32's normal range,
-// which devices may flush to zero, are left open, and so are NaNs.
-static inline mask may_round_otherwise(reals x, reals error)
+// Where a value between two that round to `low` and `high` may round to another number. Numbers below binary32's normal
+// range, which devices may flush to zero, are left open, and so are NaNs.
+static inline mask may_round_otherwise(floats low, floats high)
 {
-    floats low = TO_FLOATS(x - error);
-    return __builtin_convertvector(~((low == TO_FLOATS(x + error)) & (low >= 0x1p-126f)), mask);
+    return __builtin_convertvector(~((low == high) & (low >= 0x1p-126f)), mask);
 }
 
 // To the nearest multiple of `step`, a power of two at least 2^-50 |x|: the nearest multiple of one unit in the last

@@ -4,10 +4,16 @@
 static inline void write_depth(__global const frame *f, tile_state *tile, int cell, reals depth, reals error, floats *out)
 {
     mask hit = tile->winner[cell] != MISS;
+    reals value = hit ? depth : (reals)(f->background);
 #if EXACT
-    note_doubt(tile, cell, hit & may_round_otherwise(depth, error), DOUBT_VALUE);
+    // Where neither end of what it may be rounds otherwise, the lower one will do.
+    reals lost = hit ? error : (reals)(0);
+    floats low = TO_FLOATS(value - lost);
+    note_doubt(tile, cell, hit & may_round_otherwise(low, TO_FLOATS(value + lost)), DOUBT_VALUE);
+    out[cell] = low;
+#else
+    out[cell] = TO_FLOATS(value);
 #endif
-    out[cell] = TO_FLOATS(hit ? depth : (reals)(f->background));
 }
 
 // P, in binary64 whatever the precision, so that it keeps what t has.
@@ -58,22 +64,20 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     int channels = f->channels;
     real middle_u = w->u0 + TILE / 2, middle_v = w->v0 + TILE / 2;
     reals t[CELLS];
+    floats out[CELLS] ALIGNED;
+    // t = unit / key moves by t^2 / unit times what the key does, and a little more.
+    const real per_unit = f->orthographic ? 0 : (real)(1.01 / f->unit), flat = f->orthographic ? (real)f->unit : 0;
     for (int cell = 0; cell < CELLS; cell++) {
         reals key = tile->key[cell];
         t[cell] = (f->orthographic ? -key : 1 / key) * (real)f->unit;
-    }
-    floats out[CELLS] ALIGNED;
 #if EXACT
-    // t = unit / key moves by t^2 / unit times what the key does, and a little more.
-    const double per_unit = f->orthographic ? 0.0 : 1.01 / f->unit, flat = f->orthographic ? f->unit : 0.0;
-    for (int cell = 0; cell < CELLS; cell++)
         tile->error[cell] = tile->error[cell] * (t[cell] * t[cell] * per_unit + flat) + 2 * UNIT_ROUNDOFF * magnitude(t[cell]);
 #endif
-    if (channels & WANT_Z) {
-        for (int cell = 0; cell < CELLS; cell++)
+        if (channels & WANT_Z)
             write_depth(f, tile, cell, t[cell], tile->error[cell], out);
-        store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
     }
+    if (channels & WANT_Z)
+        store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
     if (channels & WANT_ZBACK) {
         for (int cell = 0; cell < CELLS; cell++)
             write_depth(f, tile, cell, tile->last[cell] * (real)f->unit, tile->last_error[cell] * (real)f->unit, out);

@@ -18,6 +18,11 @@
 #error "EXACT casts in binary64"
 #endif
 
+// EXACT lets the compiler fuse products and sums: its bounds count both roundings, and what it writes is certified.
+#if EXACT
+#pragma OPENCL FP_CONTRACT ON
+#endif
+
 #define JOIN2(a, b) a##b
 #define JOIN(a, b) JOIN2(a, b)
 #if REAL_BITS == 64

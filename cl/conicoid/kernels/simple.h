@@ -1,6 +1,6 @@
 // Casting simple records, and the normals of their winners.
 
-// Products and sums may be fused here: error bounds count both roundings, and what is written is certified.
+// Fused whatever the precision.
 #pragma OPENCL FP_CONTRACT ON
 
 static int cast_simple(tile_state *tile, __global const slot_record *r, int slot, const lists *in)
@@ -90,4 +90,6 @@ static inline reals simple_root_error(__global const slot_record *r, reals root)
 static inline mask unclear_root(__global const slot_record *r, reals root) { return ~(root * root >= (real)(8.01 * r->s_error)); }
 #endif
 
+#if !EXACT
 #pragma OPENCL FP_CONTRACT OFF
+#endif

@@ -1,6 +1,6 @@
 // What needs the winner's own form: its normal, and a closer bound of its key's error than casting needed.
 
-// Fused as in simple.h.
+// Fused whatever the precision.
 #pragma OPENCL FP_CONTRACT ON
 
 // 1/sqrt(square), its relative error below 2^-50: a binary32 start and one step of the third order, which cost half of
@@ -180,4 +180,6 @@ static void finish_winners(__global const frame *f, const window *w, tile_state 
         store_normals(f, w, tile, gradient, planes);
 }
 
+#if !EXACT
 #pragma OPENCL FP_CONTRACT OFF
+#endif
