@@ -11,12 +11,11 @@ static inline mask may_round_otherwise(floats low, floats high)
     return __builtin_convertvector(~((low == high) & (low >= 0x1p-126f)), mask);
 }
 
-// To the nearest multiple of `step`, a power of two at least 2^-50 |x|: the nearest multiple of one unit in the last
-// place of the sum. Never -0.
-static inline reals nearest_multiple(reals x, reals step)
+// A component times the scale, to the nearest multiple of NORMAL_STEP: of one unit in the last place of the sum. Never -0.
+static inline reals nearest_step(reals component, reals scale)
 {
-    reals shift = step * 0x1.8p52;
-    return (x + shift) - shift;
+    const reals shift = (reals)(NORMAL_STEP * 0x1.8p52);
+    return (component * scale + shift) - shift;
 }
 
 static inline void note_doubt(tile_state *tile, int cell, mask lanes, int reason)

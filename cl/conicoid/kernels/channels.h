@@ -1,18 +1,18 @@
 // From keys and winners to the channels of a tile.
 
-// A depth and the bound of its error into one cell of a plane, the background where nothing is hit.
+// A depth and the bound of its error, relative to it, into one cell of a plane; the background where nothing is hit.
 static inline void write_depth(__global const frame *f, tile_state *tile, int cell, reals depth, reals error, floats *out)
 {
     mask hit = tile->winner[cell] != MISS;
-    reals value = hit ? depth : (reals)(f->background);
+    const reals background = (reals)(f->background);
 #if EXACT
     // Where neither end of what it may be rounds otherwise, the lower one will do.
-    reals lost = hit ? error : (reals)(0);
-    floats low = TO_FLOATS(value - lost);
-    note_doubt(tile, cell, hit & may_round_otherwise(low, TO_FLOATS(value + lost)), DOUBT_VALUE);
-    out[cell] = low;
+    reals low = depth - error * depth, high = depth + error * depth;
+    floats written = TO_FLOATS(hit ? low : background);
+    note_doubt(tile, cell, hit & may_round_otherwise(written, TO_FLOATS(high)), DOUBT_VALUE);
+    out[cell] = written;
 #else
-    out[cell] = TO_FLOATS(value);
+    out[cell] = TO_FLOATS(hit ? depth : background);
 #endif
 }
 
@@ -26,7 +26,7 @@ static void store_positions(__global const frame *f, const window *w, tile_state
         double u = w->u0 + pixel % TILE + 0.5, v = w->v0 + pixel / TILE + 0.5;
         double depth = ((__private const real *)t)[pixel], p[3];
 #if EXACT
-        double error = ((__private const double *)tile->error)[pixel], largest = 0, lost = 0;
+        double error = ((__private const double *)tile->error)[pixel] * depth, largest = 0, lost = 0;
 #endif
         for (int j = 0; j < 3; j++) {
             double d = f->rays[3][j] + (f->rays[4][j] * u + f->rays[5][j] * v);
@@ -65,13 +65,14 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
     real middle_u = w->u0 + TILE / 2, middle_v = w->v0 + TILE / 2;
     reals t[CELLS];
     floats out[CELLS] ALIGNED;
-    // t = unit / key moves by t^2 / unit times what the key does, and a little more.
-    const real per_unit = f->orthographic ? 0 : (real)(1.01 / f->unit), flat = f->orthographic ? (real)f->unit : 0;
+    // t = unit / key moves by t / unit times what the key does, relative to itself, and a little more.
+    const real per_unit = (real)(1.01 / f->unit), unit = (real)f->unit;
     for (int cell = 0; cell < CELLS; cell++) {
         reals key = tile->key[cell];
-        t[cell] = (f->orthographic ? -key : 1 / key) * (real)f->unit;
+        t[cell] = (f->orthographic ? -key : 1 / key) * unit;
 #if EXACT
-        tile->error[cell] = tile->error[cell] * (t[cell] * t[cell] * per_unit + flat) + 2 * UNIT_ROUNDOFF * magnitude(t[cell]);
+        reals error = tile->error[cell];
+        tile->error[cell] = (f->orthographic ? error * unit / t[cell] : error * t[cell] * per_unit) + 2 * UNIT_ROUNDOFF;
 #endif
         if (channels & WANT_Z)
             write_depth(f, tile, cell, t[cell], tile->error[cell], out);
@@ -80,7 +81,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
         store_tile(w, plane_of(f, w, planes, WANT_Z), (__private const float *)out);
     if (channels & WANT_ZBACK) {
         for (int cell = 0; cell < CELLS; cell++)
-            write_depth(f, tile, cell, tile->last[cell] * (real)f->unit, tile->last_error[cell] * (real)f->unit, out);
+            write_depth(f, tile, cell, tile->last[cell] * unit, tile->last_error[cell] / tile->last[cell], out);
         store_tile(w, plane_of(f, w, planes, WANT_ZBACK), (__private const float *)out);
     }
     if (channels & WANT_T) {
@@ -94,7 +95,7 @@ static void store_depth_channels(__global const frame *f, const window *w, tile_
 #if EXACT
             // x and y are sums of two terms that may cancel; their sum of squares and root add four roundings.
             reals slant = 8 * UNIT_ROUNDOFF * (fabs(f->slant[0][1]) + fabs(f->slant[1][1]) + magnitude(x) + fabs(y) + 1);
-            error = tile->error[cell] * length + t[cell] * slant;
+            error = 1.01 * (tile->error[cell] + slant / length);
 #endif
             write_depth(f, tile, cell, t[cell] * length, error, out);
         }

@@ -33,7 +33,7 @@ typedef struct {
     mask winner[CELLS];     // 4 x slot + kind, or MISS
     reals last[CELLS];      // t of the winner's last hit, where ZBack is asked
     // Bounds of errors, which EXACT casting knows.
-    reals error[CELLS];     // of the winner's key, then of its t
+    reals error[CELLS];     // of the winner's key, then of its t, relative to it
     reals last_error[CELLS];
 #if EXACT
     reals bar[CELLS];       // the key less what it may be too large

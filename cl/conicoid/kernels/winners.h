@@ -140,24 +140,21 @@ static void store_normals(__global const frame *f, const window *w, tile_state *
     for (int cell = 0; cell < CELLS; cell++) {
         mask hit = tile->winner[cell] != MISS;
         vector3 n = gradient[cell];
-        n.x *= scale[cell];
-        n.y *= scale[cell];
-        n.z *= scale[cell];
+        reals to_unit = scale[cell];
 #if EXACT
-        reals x = nearest_multiple(n.x, (reals)(NORMAL_STEP)), y = nearest_multiple(n.y, (reals)(NORMAL_STEP)),
-              z = nearest_multiple(n.z, (reals)(NORMAL_STEP));
+        reals x = nearest_step(n.x, to_unit), y = nearest_step(n.y, to_unit), z = nearest_step(n.z, to_unit);
         // Scaling to unit length what is off by e moves it by at most e / (|n| - e); then come ten roundings.
-        reals slack = (0.5 * NORMAL_STEP - 12 * UNIT_ROUNDOFF) - 1.01 * n.error * scale[cell];
-        mask certain = (magnitude(n.x - x) < slack) & (magnitude(n.y - y) < slack) & (magnitude(n.z - z) < slack);
+        reals slack = (0.5 * NORMAL_STEP - 12 * UNIT_ROUNDOFF) - 1.01 * n.error * to_unit;
+        mask certain = (magnitude(n.x * to_unit - x) < slack) & (magnitude(n.y * to_unit - y) < slack) &
+                       (magnitude(n.z * to_unit - z) < slack);
         note_doubt(tile, cell, hit & ~certain, DOUBT_NORMAL);
-        n.x = x;
-        n.y = y;
-        n.z = z;
-#endif
+#else
         // -0 + 0 is +0.
-        out[0][cell] = TO_FLOATS(hit ? n.x + 0 : (reals)(0));
-        out[1][cell] = TO_FLOATS(hit ? n.y + 0 : (reals)(0));
-        out[2][cell] = TO_FLOATS(hit ? n.z + 0 : (reals)(0));
+        reals x = n.x * to_unit + 0, y = n.y * to_unit + 0, z = n.z * to_unit + 0;
+#endif
+        out[0][cell] = TO_FLOATS(hit ? x : (reals)(0));
+        out[1][cell] = TO_FLOATS(hit ? y : (reals)(0));
+        out[2][cell] = TO_FLOATS(hit ? z : (reals)(0));
     }
     for (int j = 0; j < 3; j++)
         store_tile(w, plane_of(f, w, planes, WANT_N) + j * w->plane_size, (__private const float *)out[j]);
