@@ -16,14 +16,14 @@ SCHEMA = jsonschema.Draft202012Validator(json_schema())
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
 def test_a_malformed_document_has_one_problem_at_its_place(case: Case) -> None:
     with pytest.raises(SceneError) as caught:
-        parse(case.body)
+        parse(case.body, case.arrays)
     assert [(problem.pointer, problem.code) for problem in caught.value.problems] == [(case.pointer, case.code)]
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
 def test_a_message_is_one_printable_line_with_a_remedy(case: Case) -> None:
     with pytest.raises(SceneError) as caught:
-        parse(case.body)
+        parse(case.body, case.arrays)
     (problem,) = caught.value.problems
     assert problem.message.isprintable()
     assert problem.message.isascii()

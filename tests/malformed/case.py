@@ -1,6 +1,9 @@
 """What a malformed document is, and the sound document around each mistake."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
 
 LENS = '"width": 64, "height": 48, "fov_y": 40'
 LOOK_AT = '"look_at": {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]}'
@@ -16,6 +19,7 @@ class Case(NamedTuple):
         pointer: the place of the one problem it has.
         code: the code of that problem.
         schema: whether JSON Schema refuses it too; None where the body is not even JSON.
+        arrays: what comes beside the document; None for nothing.
     """
 
     name: str
@@ -23,6 +27,7 @@ class Case(NamedTuple):
     pointer: str
     code: str
     schema: bool | None = True
+    arrays: Mapping[str, NDArray[Any]] | None = None
 
 
 def document(quadrics: str = "[]", camera: str = f"{{{LENS}}}", rest: str = "") -> bytes:
