@@ -6,10 +6,12 @@ import time
 from typing import Any
 
 from conicoid.canonical import canonical_bytes, scene_hash
-from conicoid.document import Document, parse
+from conicoid.document import Document, parse, read_npz
 from conicoid.errors import LimitError
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
+from conicoid_service.errors import MultipartError
+from conicoid_service.multipart import REMEDY, parts_of
 from conicoid_service.worker import Handler, Reply, serve
 
 
@@ -21,8 +23,7 @@ def start(_: Message) -> tuple[Handler, Message]:
 def handle(message: Message, blobs: list[Blob]) -> Reply:
     """Read the body in the first blob and give what `message["do"]` names: `read` or `canonical`."""
     started = time.perf_counter()
-    document = parse(blobs[0].read())
-    check_limits(document, message["limits"])
+    document = read(blobs[0], message["boundary"], message["limits"])
     parsed = time.perf_counter()
     scene = document.resolve()
     reply: dict[str, Any] = {}
@@ -34,6 +35,29 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
         pickle.dump(scene, result.file, protocol=pickle.HIGHEST_PROTOCOL)
     reply["timings_ms"] = {"parse": (parsed - started) * 1e3, "setup": (time.perf_counter() - parsed) * 1e3}
     return reply, [result]
+
+
+def read(body: Blob, boundary: str | None, limits: dict[str, int]) -> Document:
+    """The document in a body, and the arrays that come with it where there is a boundary between parts.
+
+    Raises:
+        MultipartError: the parts are not what they should be.
+        SceneError: the document or the arrays break the format.
+        LimitError: they ask for more than the limits.
+    """
+    arrays = {}
+    if boundary is None:
+        text = body.read()
+    else:
+        parts = parts_of(body.fileno(), boundary)
+        if not {"scene"} <= parts.keys() <= {"scene", "arrays"}:
+            raise MultipartError(f"the parts are {', '.join(parts) or 'none'}; {REMEDY}")
+        text = parts["scene"].read()
+        if "arrays" in parts:
+            arrays = read_npz(parts["arrays"], limits["bytes of arrays"])
+    document = parse(text, arrays, most_quadrics=limits["quadrics"])
+    check_limits(document, limits)
+    return document
 
 
 def check_limits(document: Document, limits: dict[str, int]) -> None:

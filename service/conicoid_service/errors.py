@@ -31,6 +31,12 @@ class ContentEncodingError(ServiceError):
     code = "content-encoding"
 
 
+class MultipartError(ServiceError):
+    """The body is not the `multipart/form-data` that it says it is, or has other parts than the route reads."""
+
+    code = "multipart"
+
+
 class QueueFullError(ServiceError):
     """More requests wait than the queue holds."""
 

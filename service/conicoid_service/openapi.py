@@ -15,7 +15,28 @@ from conicoid_service.responses import EXR_TYPE
 _SCENE: Final = {"$ref": "#/components/schemas/Scene"}
 _TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
 _PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
-_BODY: Final = {"requestBody": {"required": True, "content": {"application/json": {"schema": _SCENE}}}}
+_MULTIPART: Final = {
+    "schema": {
+        "type": "object",
+        "required": ["scene"],
+        "additionalProperties": False,
+        "properties": {
+            "scene": _SCENE,
+            "arrays": {
+                "type": "string",
+                "format": "binary",
+                "description": 'an .npz file of the arrays that the scene\'s sets name as "@name"',
+            },
+        },
+    },
+    "encoding": {"scene": {"contentType": "application/json"}, "arrays": {"contentType": "application/octet-stream"}},
+}
+_BODY: Final = {
+    "requestBody": {
+        "required": True,
+        "content": {"application/json": {"schema": _SCENE}, "multipart/form-data": _MULTIPART},
+    }
+}
 _IF_NONE_MATCH: Final = {
     "name": "If-None-Match",
     "in": "header",
@@ -25,9 +46,9 @@ _IF_NONE_MATCH: Final = {
 }
 
 _DESCRIPTIONS: Final = {
-    400: "Not HTTP or JSON as it should be",
+    400: "Not HTTP, JSON, multipart or .npz as it should be",
     413: "More bytes, quadrics or pixels than a limit allows",
-    415: "Not `application/json`, or compressed",
+    415: "Not `application/json` or `multipart/form-data`, or compressed",
     422: "The scene document breaks a rule; `errors` names each place",
     429: "The queue is full; try again after `Retry-After` seconds",
     500: "A defect, or the render process died with the request in it, twice",

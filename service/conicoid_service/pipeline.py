@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from conicoid_service.blob import Blob
+from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
 from conicoid_service.errors import NotReadyError
 from conicoid_service.settings import Settings
@@ -44,7 +45,11 @@ class Pipeline:
     """Both children and what flows through them."""
 
     def __init__(self, settings: Settings, commands: Commands) -> None:
-        self._limits = {"quadrics": settings.quadric_limit, "pixels": settings.pixel_limit}
+        self._limits = {
+            "quadrics": settings.quadric_limit,
+            "pixels": settings.pixel_limit,
+            "bytes of arrays": settings.body_limit,
+        }
         supervised = partial(
             Supervisor,
             queue_length=settings.queue_length,
@@ -78,16 +83,20 @@ class Pipeline:
         """What the render process says about itself: `device`, as `conicoid.device` describes it, and `threads`."""
         return await self._renders.hello()
 
-    async def canonical(self, body: Blob) -> tuple[bytes, Timings]:
+    async def canonical(self, body: Body) -> tuple[bytes, Timings]:
         """The canonical form of a document; takes the body over."""
-        answer = await self._documents.call({"do": "canonical", "limits": self._limits}, [body])
+        answer = await self._read("canonical", body)
         with answer.blobs[0] as text:
             return text.read(), _timings(answer)
 
-    async def read(self, body: Blob) -> ReadScene:
+    async def read(self, body: Body) -> ReadScene:
         """Read a document and check it against the limits; takes the body over, the caller closes the scene."""
-        answer = await self._documents.call({"do": "read", "limits": self._limits}, [body])
+        answer = await self._read("read", body)
         return ReadScene(answer.blobs[0], answer.message["scene_hash"], _timings(answer))
+
+    async def _read(self, do: str, body: Body) -> Answer:
+        message = {"do": do, "limits": self._limits, "boundary": body.boundary}
+        return await self._documents.call(message, [body.blob])
 
     async def render(self, read: ReadScene) -> tuple[Blob, Timings, dict[str, int]]:
         """The EXR image of a scene, and how many pixels were `refined` in double-double and `settled` on the host.

@@ -6,8 +6,7 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from conicoid import __version__
-from conicoid_service.blob import Blob
-from conicoid_service.bodies import receive_json
+from conicoid_service.bodies import Body, receive
 from conicoid_service.disconnects import while_connected
 from conicoid_service.entity_tags import entity_tag, matches
 from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, RENDER_DOCS
@@ -30,11 +29,11 @@ async def render(request: Request) -> Response:
     `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
     settings, pipeline = _parts(request)
-    body = await receive_json(request, settings.body_limit)
+    body = await receive(request, settings.body_limit)
     return await while_connected(request, _render(pipeline, body, request.headers.get("if-none-match")))
 
 
-async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> Response:
+async def _render(pipeline: Pipeline, body: Body, if_none_match: str | None) -> Response:
     read = await pipeline.read(body)
     with read.scene:
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
@@ -55,7 +54,7 @@ async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> 
 async def canonical(request: Request) -> Response:
     """The document's canonical form: everything resolved, every default filled in; it renders to the same bytes."""
     settings, pipeline = _parts(request)
-    body = await receive_json(request, settings.body_limit)
+    body = await receive(request, settings.body_limit)
     text, timings = await while_connected(request, pipeline.canonical(body))
     return Response(text, headers={"Server-Timing": server_timing(timings)}, media_type="application/json")
 

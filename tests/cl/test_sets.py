@@ -237,3 +237,11 @@ def test_every_wrong_element_is_named_and_no_more_than_a_hundred() -> None:
     with pytest.raises(SceneError) as caught:
         quadrics({"shape": "sphere", "count": 100_000, "radius": "@r"}, r=np.zeros(100_000))
     assert len(caught.value.problems) == 100
+
+
+@pytest.mark.parametrize(
+    "radius", [np.array([1j]), np.array(["1"]), np.array([1.0], object), np.ones(1, np.longdouble)]
+)
+def test_a_library_user_is_told_what_an_array_is_not(radius: NDArray[Any]) -> None:
+    with pytest.raises(SceneError, match="is not one of float64 or float32; convert it"):
+        quadrics({"shape": "sphere", "count": 1, "radius": "@r"}, r=radius)
