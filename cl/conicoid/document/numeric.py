@@ -59,8 +59,9 @@ class Numbers:
 
     def _entries(self, values: list[Any] | NDArray[Any]) -> NDArray[Any] | None:
         if isinstance(values, np.ndarray):
-            sound = np.isfinite(values).all() and all(holds for holds, _ in self._bounds(values))
-            return values.astype(np.int64 if self.whole else np.float64) + 0 if sound else None
+            if not (np.isfinite(values).all() and all(holds for holds, _ in self._bounds(values))):
+                return None
+            return values.astype(np.int64) if self.whole else np.add(values, 0, dtype=np.float64)
         flat = values
         for size in self.shape:
             if not (set(map(type, flat)) <= {list} and set(map(len, flat)) <= {size}):
