@@ -149,21 +149,21 @@ def _output(output: Output) -> dict[str, Any]:
 def scene_hash(scene: Scene) -> str:
     """SHA-256 in hexadecimal of everything in a scene that can change its image or its file; names cannot.
 
-    The hash is over these bytes, one after the other, numbers in little-endian order:
-
-    1. the line `conicoid scene 1`, then the line `n m k`: quadrics, matrices, clip planes;
-    2. the quadrics' arrays, as `conicoid.scene.Quadrics` describes them: shape (uint8), radii, matrix,
-       world_from_object, z_range, clip (all float64), clip_start (int32), id (uint32), capped (uint8);
-    3. the camera in float64: width, height, fx, fy, cx, cy, world_from_camera, near, far, crop;
-    4. background_depth in float64;
-    5. one line each: projection, channels with commas between, normal_space, normal_side, precision, compression,
-       data_window, half_normals as True or False.
-
-    No number is -0: a parsed document's never is. Scenes with equal canonical bytes, names apart, have equal hashes.
+    It is `view_hash` of the quadrics' hash. No number in either is -0: a parsed document's never is. Scenes with equal
+    canonical bytes, names apart, have equal hashes, and so have a set and its quadrics written out.
     """
-    quadrics, camera, output = scene.quadrics, scene.camera, scene.output
+    return view_hash(quadrics_hash(scene.quadrics), scene.camera, scene.output)
+
+
+def quadrics_hash(quadrics: Quadrics) -> str:
+    """SHA-256 in hexadecimal of these bytes, one after the other, numbers in little-endian order.
+
+    1. the line `conicoid quadrics 1`, then the line `n m k`: quadrics, matrices, clip planes;
+    2. the quadrics' arrays, as `conicoid.scene.Quadrics` describes them: shape (uint8), radii, matrix,
+       world_from_object, z_range, clip (all float64), clip_start (int32), id (uint32), capped (uint8).
+    """
     sizes = f"{len(quadrics)} {len(quadrics.matrix)} {len(quadrics.clip)}"
-    digest = hashlib.sha256(f"conicoid scene 1\n{sizes}\n".encode())
+    digest = hashlib.sha256(f"conicoid quadrics 1\n{sizes}\n".encode())
     for array, dtype in (
         (quadrics.shape, "u1"),
         (quadrics.radii, "<f8"),
@@ -174,10 +174,23 @@ def scene_hash(scene: Scene) -> str:
         (quadrics.clip_start, "<i4"),
         (quadrics.id, "<u4"),
         (quadrics.capped, "u1"),
-        (_camera_numbers(camera), "<f8"),
-        (np.array(output.background_depth), "<f8"),
     ):
         digest.update(np.ascontiguousarray(array, dtype).data)
+    return digest.hexdigest()
+
+
+def view_hash(quadrics: str, camera: Camera, output: Output) -> str:
+    """SHA-256 in hexadecimal of these bytes, one after the other, numbers in little-endian order.
+
+    1. the line `conicoid scene 1`, then the line of `quadrics`, which is their `quadrics_hash`;
+    2. the camera in float64: width, height, fx, fy, cx, cy, world_from_camera, near, far, crop;
+    3. background_depth in float64;
+    4. one line each: projection, channels with commas between, normal_space, normal_side, precision, compression,
+       data_window, half_normals as True or False.
+    """
+    digest = hashlib.sha256(f"conicoid scene 1\n{quadrics}\n".encode())
+    for numbers in (_camera_numbers(camera), np.array(output.background_depth)):
+        digest.update(np.ascontiguousarray(numbers, "<f8").data)
     words = (
         camera.projection,
         ",".join(output.channels),

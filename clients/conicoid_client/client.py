@@ -119,6 +119,19 @@ class Client:
         """
         return self._send("POST", "/v1/canonical", "application/json", body=_body(_json(scene), arrays)).content
 
+    def keep(self, scene: Scene, *, arrays: Arrays | None = None) -> str:
+        """Have the service keep a scene's quadrics, for renders from many cameras.
+
+        Args:
+            scene: a document, which needs no camera.
+            arrays: as for `render`.
+        Returns:
+            The id that a document gives as `scene` in place of `quadrics`. The same quadrics always have the same id.
+            A render with an id that is not kept any more raises ProblemError with the code `unknown-scene`.
+        """
+        answer = self._send("POST", "/v1/scenes", "application/json", body=_body(_json(scene), arrays)).json()
+        return str(answer["id"])
+
     def device(self) -> dict[str, Any]:
         """What the service renders with: platform, device, limits, version."""
         answer: dict[str, Any] = self._send("GET", "/v1/device", "application/json").json()

@@ -37,6 +37,12 @@ class MultipartError(ServiceError):
     code = "multipart"
 
 
+class UnknownSceneError(ServiceError):
+    """No quadrics are kept under this id: they never were, or were dropped for others."""
+
+    code = "unknown-scene"
+
+
 class QueueFullError(ServiceError):
     """More requests wait than the queue holds."""
 

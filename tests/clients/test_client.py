@@ -226,3 +226,13 @@ def test_arrays_are_sent_again_when_the_service_was_busy(naps: list[float]) -> N
     client(answer).render(b"{}", arrays=b"npz")
     assert naps == [1.0]
     assert bodies == [{b"scene": b"{}", b"arrays": b"npz"}] * 2
+
+
+def test_a_kept_scene_is_named_by_its_id() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert (request.method, request.url.path) == ("POST", "/v1/scenes")
+        assert parts(request) == {b"scene": b"{}", b"arrays": b"npz"}
+        headers = {"Content-Type": "application/json"}
+        return httpx.Response(201, headers=headers, content=b'{"id": "a1", "quadrics": 1, "bytes": 150}')
+
+    assert client(answer).keep({}, arrays=b"npz") == "a1"

@@ -139,6 +139,15 @@ def test_arrays_in_a_file_render_as_lists_in_the_scene_do(address: str, arrays: 
     assert piped.stdout == listed
 
 
+def test_kept_quadrics_render_as_their_own_document_does_from_every_camera(address: str, image: bytes) -> None:
+    with Client(address) as client:
+        kept = {"conicoid": 1, "scene": client.keep(TEXT)}
+        for fov_y in (60, 30, 60):
+            camera = {"camera": SCENE["camera"] | {"fov_y": fov_y}}
+            assert client.render(kept | camera).exr == client.render(SCENE | camera).exr
+        assert client.render(kept | {"camera": SCENE["camera"]}).exr == image
+
+
 def test_the_canonical_form_needs_no_arrays_any_more(address: str, arrays: Path) -> None:
     done = conicoid("canonical", "-", "--arrays", str(arrays), "--server", address, stdin=NAMED)
     assert done.returncode == 0

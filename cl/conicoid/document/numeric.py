@@ -59,9 +59,7 @@ class Numbers:
 
     def _entries(self, values: list[Any] | NDArray[Any]) -> NDArray[Any] | None:
         if isinstance(values, np.ndarray):
-            if not (np.isfinite(values).all() and all(holds for holds, _ in self._bounds(values))):
-                return None
-            return values.astype(np.int64) if self.whole else np.add(values, 0, dtype=np.float64)
+            return self._converted(values)
         flat = values
         for size in self.shape:
             if not (set(map(type, flat)) <= {list} and set(map(len, flat)) <= {size}):
@@ -77,6 +75,11 @@ class Numbers:
             return None
         # Adding 0 turns -0 to +0: no image can tell them apart, and equal scenes get equal hashes.
         return (array + 0).reshape(len(values), *self.shape)
+
+    def _converted(self, array: NDArray[Any]) -> NDArray[Any] | None:
+        if not (np.isfinite(array).all() and all(holds for holds, _ in self._bounds(array))):
+            return None
+        return array.astype(np.int64) if self.whole else np.add(array, 0, dtype=np.float64)
 
     def _bounds(self, entries: Any) -> list[tuple[bool, str]]:
         """Whether all entries (an array or one number) are within each bound, and the bound in words."""
