@@ -8,7 +8,7 @@ from conicoid.document.camera import resolve_cameras
 from conicoid.document.json_text import read_exact, read_fast
 from conicoid.document.problems import Problems
 from conicoid.document.records import Record
-from conicoid.document.references import Arrays, check_count, explain_unused, refer
+from conicoid.document.references import Arrays, explain_unused, refer
 from conicoid.document.resolve import resolve_output, resolve_quadrics
 from conicoid.document.scene_fields import KEPT, SCENE
 from conicoid.document.set_fields import MOST_ID
@@ -114,6 +114,5 @@ def _read(record: Record, body: bytes, arrays: Arrays, most_quadrics: int) -> di
 
 def _columns(record: Record, tree: Any, arrays: Arrays, most_quadrics: int) -> tuple[dict[str, Any] | None, set[str]]:
     """The document's columns, None if anything is wrong, and the arrays that it does not use."""
-    check_count(tree, most_quadrics)
-    unused = arrays.keys() - refer(tree, arrays)
+    unused = arrays.keys() - refer(tree, arrays, most_quadrics)
     return None if unused else record.column([tree]), unused

@@ -24,27 +24,21 @@ class Unusable:
         self.message: Final = message
 
 
-def check_count(tree: Any, most: int) -> None:
-    """Refuse more quadrics than a limit before any of their values is looked at.
-
-    Raises:
-        LimitError: with the limit and the quadrics asked.
-    """
-    entries = _entries(tree)
-    counts = [entry["count"] for entry in _sets(entries)]
-    asked = len(entries) - len(counts) + sum(count for count in counts if type(count) is int and count > 0)
-    if asked > most:
-        raise LimitError("quadrics", most, asked)
-
-
-def refer(tree: Any, arrays: Arrays) -> set[str]:
+def refer(tree: Any, arrays: Arrays, most_quadrics: int) -> set[str]:
     """Put arrays where the sets of a document name them, `Unusable` where they give no value for each element.
 
     Returns:
         The names that the document used.
+
+    Raises:
+        LimitError: the document has more than `most_quadrics`; none of their values has been looked at.
     """
+    quadrics = tree.get("quadrics") if isinstance(tree, dict) else None
+    entries = quadrics if isinstance(quadrics, list) else []
+    sets = [entry for entry in entries if isinstance(entry, dict) and "count" in entry]
+    _check_count(len(entries) - len(sets), [entry["count"] for entry in sets], most_quadrics)
     used = set()
-    for entry in _sets(_entries(tree)):
+    for entry in sets:
         for key, value in entry.items():
             if isinstance(value, str) and value.startswith(_MARK) and key not in _NEVER_ARRAYS:
                 name = value.removeprefix(_MARK)
@@ -53,13 +47,10 @@ def refer(tree: Any, arrays: Arrays) -> set[str]:
     return used
 
 
-def _entries(tree: Any) -> list[Any]:
-    quadrics = tree.get("quadrics") if isinstance(tree, dict) else None
-    return quadrics if isinstance(quadrics, list) else []
-
-
-def _sets(entries: list[Any]) -> list[dict[str, Any]]:
-    return [entry for entry in entries if isinstance(entry, dict) and "count" in entry]
+def _check_count(single: int, counts: list[Any], most: int) -> None:
+    asked = single + sum(count for count in counts if type(count) is int and count > 0)
+    if asked > most:
+        raise LimitError("quadrics", most, asked)
 
 
 def _values(name: str, count: Any, arrays: Arrays) -> NDArray[Any] | Unusable:
