@@ -103,6 +103,17 @@ def test_a_list_is_one_value_for_each_and_anything_else_is_shared() -> None:
     assert two.name == {0: "twin", 1: "twin"}
 
 
+def test_sets_and_quadrics_keep_their_places_whatever_they_give() -> None:
+    entries: list[Json] = [
+        {"shape": "sphere", "center": [1, 0, 0]}, {"shape": "cone", "count": 2, "center": [[2, 0, 0], [3, 0, 0]]},
+        {"shape": "sphere", "center": [4, 0, 0]}, {"shape": "cone", "count": 1, "center": [5, 0, 0], "radius": [2]},
+        {"shape": "cone", "count": 2, "center": [[6, 0, 0], [7, 0, 0]]},
+    ]  # fmt: skip
+    scene = quadrics(*entries)
+    assert scene.world_from_object[:, 0, 3].tolist() == [1, 2, 3, 4, 5, 6, 7]
+    assert scene.radii[:, 0].tolist() == [1, 1, 1, 1, 2, 1, 1]
+
+
 def test_each_element_may_have_clips_of_its_own() -> None:
     clipped = quadrics({"shape": "sphere", "count": 3, "clip": [[], [[0, 0, 1, 0], [0, 1, 0, 0]], [[1, 0, 0, 0]]]})
     assert clipped.clip_start.tolist() == [0, 0, 2, 3]

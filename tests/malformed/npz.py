@@ -62,6 +62,7 @@ FILES = [
     file("archive cut in half", SOUND[: len(SOUND) // 2]),
     file("archive's beginning missing", SOUND[40:]),
     file("archive with a comment", SOUND[:-2] + b"\1\0x"),
+    file("archive that says it has a comment", patched(len(SOUND) - 2, b"\5\0")),
     file("bytes after the archive", SOUND + b"x"),
     file("checksum wrong", patched(SOUND.index(npy()) + len(npy()) - 1, b"\xff")),
     file("deflated data broken", patched(DEFLATED.index(b"a.npy") + 12, b"\xff\xff\xff", DEFLATED)),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from conicoid.errors import LimitError
+from conicoid_service import document_process
 from conicoid_service.blob import Blob
 from conicoid_service.errors import UnknownSceneError
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
@@ -170,6 +171,16 @@ async def test_kept_scenes_outlive_the_processes_that_use_them(search_path: None
         await kept(client, QUADRICS)
         for path in SCENE_ROUTES:
             assert (await client.post(path, json=VIEW | {"scene": scene_id})).status_code == 200
+
+
+def test_a_long_id_does_not_reach_the_process_that_speaks_http() -> None:
+    limits = {"quadrics": 1, "pixels": 10_000, "bytes of arrays": 1}
+    for do in ("read", "canonical"):
+        with Blob.of(json.dumps(VIEW | {"scene": "x" * 1_000_000}).encode()) as body:
+            reply, blobs = document_process.handle({"do": do, "limits": limits, "boundary": None}, [body])
+        assert len(json.dumps(reply)) < 1000
+        for blob in blobs:
+            blob.close()
 
 
 def stored(scene_id: str, size: int) -> KeptScene:
