@@ -161,8 +161,8 @@ def _clips(groups: list[Group], n: int) -> tuple[Floats, NDArray[np.int32]]:
     for index, clip in given:
         counts[index] = clip.counts
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    if not given:
-        return np.zeros((0, 4)), start
+    if len(given) < 2:  # already in order
+        return next((clip.rows for _, clip in given), np.zeros((0, 4))), start
     owners = np.concatenate([np.repeat(index, clip.counts) for index, clip in given])
     rows = np.concatenate([clip.rows for _, clip in given])
     return rows[np.argsort(owners, kind="stable")], start
