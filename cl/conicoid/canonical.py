@@ -8,7 +8,7 @@ import numpy as np
 import orjson
 
 from conicoid.collector import paused_collector
-from conicoid.scene import Camera, Floats, Output, Quadrics, Scene
+from conicoid.scene import Camera, Floats, KeptSet, Output, Quadrics, Scene
 from conicoid.shapes import SHAPES, Shape
 
 
@@ -16,7 +16,8 @@ def canonical_document(scene: Scene) -> dict[str, Any]:
     """The scene as a document with every number derived and every default filled in; its own canonical form.
 
     Keys come in a fixed order. Keys whose absence has a meaning of its own (`z_range`, `capped`, `clip`, `name`, `far`)
-    are there only where they say something.
+    are there only where they say something. A set of more than `scene.MOST_EXPANDED` quadrics stays a set: `count`, and
+    for every other key a NumPy array, or a list, of one value for each.
     """
     with paused_collector():
         return {
@@ -29,44 +30,97 @@ def canonical_document(scene: Scene) -> dict[str, Any]:
 
 def canonical_bytes(scene: Scene) -> bytes:
     """The canonical document as compact UTF-8 JSON with shortest round-trip floats and a newline at the end."""
-    return orjson.dumps(canonical_document(scene), option=orjson.OPT_APPEND_NEWLINE)
+    return orjson.dumps(canonical_document(scene), option=orjson.OPT_APPEND_NEWLINE | orjson.OPT_SERIALIZE_NUMPY)
 
 
 def _quadrics(quadrics: Quadrics) -> list[dict[str, Any]]:
-    last_row = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(quadrics), 1, 4))
-    transforms = np.concatenate([quadrics.world_from_object, last_row], axis=1).tolist()
-    shapes = [SHAPES[code] for code in quadrics.shape.tolist()]
-    parameters = map(_parameters, shapes, quadrics.radii.tolist())
-    forms = iter(_forms(quadrics).tolist())
-    documents = [
+    entries, done = [], 0
+    for kept in quadrics.sets:
+        entries += [*_one_by_one(quadrics, done, kept.start), _set(quadrics, kept)]
+        done = kept.stop
+    return entries + _one_by_one(quadrics, done, len(quadrics))
+
+
+def _one_by_one(quadrics: Quadrics, start: int, stop: int) -> list[dict[str, Any]]:
+    """An entry for each of the quadrics start ... stop - 1."""
+    part = slice(start, stop)
+    shapes = [SHAPES[code] for code in quadrics.shape[part].tolist()]
+    parameters = map(_parameters, shapes, quadrics.radii[part].tolist())
+    forms = iter(_forms(quadrics, part).tolist())
+    ids = quadrics.id[part].tolist()
+    entries = [
         {"shape": shape.name}
         | ({"matrix": next(forms)} if shape.name == "quadric" else radii)
         | {"transform": transform, "id": number}
-        for shape, radii, transform, number in zip(shapes, parameters, transforms, quadrics.id.tolist(), strict=True)
+        for shape, radii, transform, number in zip(
+            shapes, parameters, _transforms(quadrics, part).tolist(), ids, strict=True
+        )
     ]
-    for i in np.flatnonzero(np.isfinite(quadrics.z_range[:, 0])).tolist():
-        documents[i]["z_range"] = quadrics.z_range[i].tolist()
-    for i in np.flatnonzero(quadrics.capped).tolist():
-        documents[i]["capped"] = True
-    for i in np.flatnonzero(np.diff(quadrics.clip_start)).tolist():
-        documents[i]["clip"] = quadrics.clip[quadrics.clip_start[i] : quadrics.clip_start[i + 1]].tolist()
-    for i, name in quadrics.name.items():
-        documents[i]["name"] = name
-    return documents
+    for i in np.flatnonzero(np.isfinite(quadrics.z_range[part, 0])).tolist():
+        entries[i]["z_range"] = quadrics.z_range[start + i].tolist()
+    for i in np.flatnonzero(quadrics.capped[part]).tolist():
+        entries[i]["capped"] = True
+    for i in np.flatnonzero(np.diff(quadrics.clip_start[start : stop + 1])).tolist():
+        entries[i]["clip"] = _clips(quadrics, start + i).tolist()
+    for i, entry in enumerate(entries if quadrics.name else (), start):
+        if i in quadrics.name:
+            entry["name"] = quadrics.name[i]
+    return entries
 
 
-def _forms(quadrics: Quadrics) -> Floats:
+def _set(quadrics: Quadrics, kept: KeptSet) -> dict[str, Any]:
+    """One entry for all the quadrics of a set, which have one shape."""
+    part = slice(kept.start, kept.stop)
+    shape = SHAPES[quadrics.shape[kept.start]]
+    entry: dict[str, Any] = {"shape": shape.name, "count": kept.stop - kept.start}
+    if shape.name == "quadric":
+        entry["matrix"] = _forms(quadrics, part)
+    elif shape.radii == 1:
+        entry["radius"] = np.ascontiguousarray(quadrics.radii[part, _axis_of_radius(shape)])
+    elif shape.radii:
+        entry["radii"] = np.ascontiguousarray(quadrics.radii[part, : shape.radii])
+    entry |= {"transform": _transforms(quadrics, part), "id": quadrics.id[part]}
+    if np.isfinite(quadrics.z_range[kept.start, 0]):
+        entry["z_range"] = quadrics.z_range[part]
+    if quadrics.capped[part].any():
+        entry["capped"] = quadrics.capped[part]
+    clips = np.diff(quadrics.clip_start[kept.start : kept.stop + 1])
+    if (clips == clips[0]).all() and clips[0]:
+        entry["clip"] = quadrics.clip[quadrics.clip_start[kept.start] :][: clips.sum()].reshape(-1, clips[0], 4)
+    elif clips.any():
+        entry["clip"] = [_clips(quadrics, i) for i in range(kept.start, kept.stop)]
+    if kept.name is not None:
+        entry["name"] = kept.name
+    return entry
+
+
+def _forms(quadrics: Quadrics, part: slice) -> Floats:
     """(m, 4, 4) matrices of the quadrics that have one, in their order."""
-    return quadrics.matrix[quadrics.matrix_row[quadrics.matrix_row >= 0]]
+    rows = quadrics.matrix_row[part]
+    return quadrics.matrix[rows[rows >= 0]]
+
+
+def _transforms(quadrics: Quadrics, part: slice) -> Floats:
+    """(n, 4, 4) world_from_object with its last row."""
+    upper = quadrics.world_from_object[part]
+    last_row = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(upper), 1, 4))
+    return np.concatenate([upper, last_row], axis=1)
+
+
+def _clips(quadrics: Quadrics, i: int) -> Floats:
+    """(k, 4) half-spaces of one quadric."""
+    return quadrics.clip[quadrics.clip_start[i] : quadrics.clip_start[i + 1]]
 
 
 def _parameters(shape: Shape, radii: list[float]) -> dict[str, Any]:
     if shape.radii == 0:
         return {}
-    if shape.radii == 1:
-        # A sphere's radii are all alike; a parabolic_cylinder's radius is a, a parallel_planes' is c.
-        return {"radius": radii[shape.squares.index(1)]}
-    return {"radii": radii[: shape.radii]}
+    return {"radius": radii[_axis_of_radius(shape)]} if shape.radii == 1 else {"radii": radii[: shape.radii]}
+
+
+def _axis_of_radius(shape: Shape) -> int:
+    """The axis of a shape's only radius: a parabolic_cylinder's is a, a parallel_planes' c, a sphere's are alike."""
+    return shape.squares.index(1)
 
 
 def camera_document(camera: Camera) -> dict[str, Any]:
@@ -95,35 +149,48 @@ def _output(output: Output) -> dict[str, Any]:
 def scene_hash(scene: Scene) -> str:
     """SHA-256 in hexadecimal of everything in a scene that can change its image or its file; names cannot.
 
-    The hash is over these bytes, one after the other, numbers in little-endian order:
-
-    1. the line `conicoid scene 1`, then the line `n m k`: quadrics, matrices, clip planes;
-    2. the quadrics' arrays, as `conicoid.scene.Quadrics` describes them: shape (uint8), radii, matrix,
-       world_from_object, z_range, clip (all float64), clip_start (int32), id (uint32), capped (uint8);
-    3. the camera in float64: width, height, fx, fy, cx, cy, world_from_camera, near, far, crop;
-    4. background_depth in float64;
-    5. one line each: projection, channels with commas between, normal_space, normal_side, precision, compression,
-       data_window, half_normals as True or False.
-
-    No number is -0: a parsed document's never is. Scenes with equal canonical bytes, names apart, have equal hashes.
+    It is `view_hash` of the quadrics' hash. No number in either is -0: a parsed document's never is. Scenes with equal
+    canonical bytes, names apart, have equal hashes, and so have a set and its quadrics written out.
     """
-    quadrics, camera, output = scene.quadrics, scene.camera, scene.output
+    return view_hash(quadrics_hash(scene.quadrics), scene.camera, scene.output)
+
+
+def quadrics_hash(quadrics: Quadrics) -> str:
+    """SHA-256 in hexadecimal of these bytes, one after the other, numbers in little-endian order.
+
+    1. the line `conicoid quadrics 1`, then the line `n m k`: quadrics, matrices, clip planes;
+    2. the quadrics' arrays, as `conicoid.scene.Quadrics` describes them: shape (uint8), radii, matrix,
+       world_from_object, z_range, clip (all float64), clip_start (int32), id (uint32), capped (uint8).
+    """
     sizes = f"{len(quadrics)} {len(quadrics.matrix)} {len(quadrics.clip)}"
-    digest = hashlib.sha256(f"conicoid scene 1\n{sizes}\n".encode())
+    digest = hashlib.sha256(f"conicoid quadrics 1\n{sizes}\n".encode())
     for array, dtype in (
         (quadrics.shape, "u1"),
         (quadrics.radii, "<f8"),
-        (_forms(quadrics), "<f8"),
+        (_forms(quadrics, slice(None)), "<f8"),
         (quadrics.world_from_object, "<f8"),
         (quadrics.z_range, "<f8"),
         (quadrics.clip, "<f8"),
         (quadrics.clip_start, "<i4"),
         (quadrics.id, "<u4"),
         (quadrics.capped, "u1"),
-        (_camera_numbers(camera), "<f8"),
-        (np.array(output.background_depth), "<f8"),
     ):
         digest.update(np.ascontiguousarray(array, dtype).data)
+    return digest.hexdigest()
+
+
+def view_hash(quadrics: str, camera: Camera, output: Output) -> str:
+    """SHA-256 in hexadecimal of these bytes, one after the other, numbers in little-endian order.
+
+    1. the line `conicoid scene 1`, then the line of `quadrics`, which is their `quadrics_hash`;
+    2. the camera in float64: width, height, fx, fy, cx, cy, world_from_camera, near, far, crop;
+    3. background_depth in float64;
+    4. one line each: projection, channels with commas between, normal_space, normal_side, precision, compression,
+       data_window, half_normals as True or False.
+    """
+    digest = hashlib.sha256(f"conicoid scene 1\n{quadrics}\n".encode())
+    for numbers in (_camera_numbers(camera), np.array(output.background_depth)):
+        digest.update(np.ascontiguousarray(numbers, "<f8").data)
     words = (
         camera.projection,
         ",".join(output.channels),

@@ -5,7 +5,7 @@ World units are the user's own, right-handed; camera axes are OpenGL's (looks do
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,23 @@ DataWindow = Literal["full", "tight"]
 Channel = Literal["Z", "T", "ZBack", "N", "P", "id", "A"]
 
 Floats = NDArray[np.float64]
+
+
+MOST_EXPANDED: Final = 10_000  # quadrics of a set that its canonical form lists one by one
+
+
+@dataclass(frozen=True)
+class KeptSet:
+    """Quadrics that stay one entry in the canonical form, because there are so many of them.
+
+    Attributes:
+        start, stop: the indexes of the quadrics, half-open; more than `MOST_EXPANDED`.
+        name: one that all share, or one for each; None if none was given.
+    """
+
+    start: int
+    stop: int
+    name: str | list[str] | None = None
 
 
 @dataclass(frozen=True)
@@ -37,7 +54,8 @@ class Quadrics:
         capped: (n,) bool.
         clip: (k, 4) float64 world half-spaces [a, b, c, d], keeping ax + by + cz + d >= 0.
         clip_start: (n + 1,) int32; quadric i is clipped by rows clip_start[i]:clip_start[i + 1].
-        name: the given names by quadric index.
+        name: the given names by quadric index, of quadrics outside `sets`.
+        sets: in document order, apart from each other.
     """
 
     shape: NDArray[np.uint8]
@@ -51,6 +69,7 @@ class Quadrics:
     clip: Floats
     clip_start: NDArray[np.int32]
     name: dict[int, str]
+    sets: tuple[KeptSet, ...] = ()
 
     def __len__(self) -> int:
         return len(self.shape)

@@ -1,11 +1,13 @@
 """Talking to a Conicoid service over HTTP, or to one in this process."""
 
+import io
 import json
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self, overload
+from zipfile import ZipFile
 
 import httpx
 
@@ -13,6 +15,8 @@ from conicoid_client.errors import ClientError, Problem, ProblemError, SceneReje
 from conicoid_client.precision import with_precision
 
 Scene = bytes | Mapping[str, Any]
+Arrays = bytes | Mapping[str, Any]
+Body = bytes | Mapping[str, tuple[str | None, bytes, str]]  # JSON, or the parts of multipart/form-data
 
 _REJECTED = frozenset({400, 413, 415, 422})
 _LONGEST_WAIT_S = 60.0
@@ -73,16 +77,21 @@ class Client:
         )
 
     @overload
-    def render(self, scene: Scene, *, precision: str | None = None) -> Rendering: ...
+    def render(self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None) -> Rendering: ...
 
     @overload
-    def render(self, scene: Scene, *, precision: str | None = None, etag: str) -> Rendering | None: ...
+    def render(
+        self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None, etag: str
+    ) -> Rendering | None: ...
 
-    def render(self, scene: Scene, *, precision: str | None = None, etag: str | None = None) -> Rendering | None:
+    def render(
+        self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None, etag: str | None = None
+    ) -> Rendering | None:
         """Render a scene with one camera.
 
         Args:
             scene: the document as JSON text, sent as it is, or as a mapping.
+            arrays: what the document's sets name as `"@name"`: by name, or as the bytes of an `.npz` file.
             precision: `exact`, `float64` or `float32` in place of the document's `output.precision`.
             etag: tag of the rendering that is already here.
         Returns:
@@ -92,7 +101,7 @@ class Client:
         if precision is not None:
             body = with_precision(body, precision)
         headers = {} if etag is None else {"If-None-Match": etag}
-        response = self._send("POST", "/v1/render", "image/x-exr", content=body, headers=headers)
+        response = self._send("POST", "/v1/render", "image/x-exr", body=_body(body, arrays), headers=headers)
         if response.status_code == httpx.codes.NOT_MODIFIED:
             return None
         settled = response.headers.get("Conicoid-Settled", "")
@@ -103,9 +112,25 @@ class Client:
             settled=int(settled) if settled.isdecimal() else None,
         )
 
-    def canonical(self, scene: Scene) -> bytes:
-        """The scene's canonical form: everything resolved, every default filled in, as JSON text."""
-        return self._send("POST", "/v1/canonical", "application/json", content=_json(scene)).content
+    def canonical(self, scene: Scene, *, arrays: Arrays | None = None) -> bytes:
+        """The scene's canonical form: everything resolved, every default filled in, as JSON text.
+
+        It needs no arrays any more. The arguments are those of `render`.
+        """
+        return self._send("POST", "/v1/canonical", "application/json", body=_body(_json(scene), arrays)).content
+
+    def keep(self, scene: Scene, *, arrays: Arrays | None = None) -> str:
+        """Have the service keep a scene's quadrics, for renders from many cameras.
+
+        Args:
+            scene: a document, which needs no camera.
+            arrays: as for `render`.
+        Returns:
+            The id that a document gives as `scene` in place of `quadrics`. The same quadrics always have the same id.
+            A render with an id that is not kept any more raises ProblemError with the code `unknown-scene`.
+        """
+        answer = self._send("POST", "/v1/scenes", "application/json", body=_body(_json(scene), arrays)).json()
+        return str(answer["id"])
 
     def device(self) -> dict[str, Any]:
         """What the service renders with: platform, device, limits, version."""
@@ -130,14 +155,15 @@ class Client:
         path: str,
         media_type: str,
         *,
-        content: bytes | None = None,
+        body: Body | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> httpx.Response:
         """One request, repeated while the service asks for that; the answer is of `media_type`, or a bare 304."""
-        headers = {**(headers or {}), **({} if content is None else {"Content-Type": "application/json"})}
+        headers = {**(headers or {}), **({"Content-Type": "application/json"} if isinstance(body, bytes) else {})}
+        sent: dict[str, Any] = {"content": body} if isinstance(body, bytes) else {"files": body}
         for attempt in range(self._retries + 1):
             try:
-                response = self._http.request(method, path, content=content, headers=headers)
+                response = self._http.request(method, path, headers=headers, **sent)
             except httpx.HTTPError as error:
                 reason = str(error) or type(error).__name__
                 raise Unreachable(f"no answer from {self._http.base_url}: {reason}") from error
@@ -157,6 +183,32 @@ def _json(scene: Scene) -> bytes:
     if isinstance(scene, bytes):
         return scene
     return json.dumps(scene, allow_nan=False, separators=(",", ":")).encode()
+
+
+def _body(scene: bytes, arrays: Arrays | None) -> Body:
+    if arrays is None:
+        return scene
+    npz = arrays if isinstance(arrays, bytes) else _npz(arrays)
+    return {
+        "scene": (None, scene, "application/json"),
+        "arrays": ("arrays.npz", npz, "application/octet-stream"),
+    }
+
+
+def _npz(arrays: Mapping[str, Any]) -> bytes:
+    """What `numpy.savez` would write, which cannot take every name.
+
+    Raises:
+        ValueError: an array holds Python objects.
+    """
+    import numpy as np
+
+    file = io.BytesIO()
+    with ZipFile(file, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
+    return file.getvalue()
 
 
 def _retry_after(response: httpx.Response) -> float | None:

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import BinaryIO, Self
 
 CHUNK = 1 << 18
+_LARGEST_READ = 1 << 30  # Linux reads less than 2 GiB at once
 
 
 def _anonymous_descriptor() -> int:
@@ -41,16 +42,20 @@ class Blob:
         while view:
             view = view[self.file.write(view) :]
 
-    def read(self) -> bytes:
-        """The whole content; the position is left at the end."""
-        self.file.seek(0)
-        return self.file.read()
+    def shared(self) -> Self:
+        """Another holder of the same file, which lasts until both are closed."""
+        return type(self)(os.dup(self.fileno()))
 
-    def chunks(self) -> Iterator[bytes]:
-        """The whole content in pieces of at most `CHUNK` bytes."""
-        self.file.seek(0)
-        while chunk := self.file.read(CHUNK):
+    def read(self) -> bytes:
+        """The whole content."""
+        return b"".join(self.chunks(_LARGEST_READ))
+
+    def chunks(self, size: int = CHUNK) -> Iterator[bytes]:
+        """The whole content in pieces of at most `size` bytes; where others read the same file, nobody is disturbed."""
+        start = 0
+        while chunk := os.pread(self.fileno(), size, start):
             yield chunk
+            start += len(chunk)
 
     def fileno(self) -> int:
         """The descriptor, which stays the blob's."""

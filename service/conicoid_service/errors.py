@@ -31,6 +31,18 @@ class ContentEncodingError(ServiceError):
     code = "content-encoding"
 
 
+class MultipartError(ServiceError):
+    """The body is not the `multipart/form-data` that it says it is, or has other parts than the route reads."""
+
+    code = "multipart"
+
+
+class UnknownSceneError(ServiceError):
+    """No quadrics are kept under this id: they never were, or were dropped for others."""
+
+    code = "unknown-scene"
+
+
 class QueueFullError(ServiceError):
     """More requests wait than the queue holds."""
 

@@ -15,7 +15,44 @@ from conicoid_service.responses import EXR_TYPE
 _SCENE: Final = {"$ref": "#/components/schemas/Scene"}
 _TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
 _PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
-_BODY: Final = {"requestBody": {"required": True, "content": {"application/json": {"schema": _SCENE}}}}
+_QUADRICS: Final = {
+    "type": "object",
+    "description": "a scene document of which only the quadrics count",
+    "required": ["conicoid", "quadrics"],
+    "additionalProperties": False,
+    "properties": {
+        key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
+        for key in ("conicoid", "quadrics", "camera", "output")
+    },
+}
+_KEPT: Final = {
+    "type": "object",
+    "required": ["id", "quadrics", "bytes"],
+    "properties": {
+        "id": {"type": "string", "description": "what a document says as `scene`, in place of `quadrics`"},
+        "quadrics": {"type": "integer", "description": "how many quadrics it has"},
+        "bytes": {"type": "integer", "description": "what it takes of the room for kept scenes"},
+    },
+}
+
+
+def _body(document: dict[str, Any]) -> dict[str, Any]:
+    """The request's body: a document, alone or with arrays."""
+    about_arrays = 'an .npz file of the arrays that the document\'s sets name as "@name"'
+    parts = {
+        "type": "object",
+        "required": ["scene"],
+        "additionalProperties": False,
+        "properties": {
+            "scene": document,
+            "arrays": {"type": "string", "format": "binary", "description": about_arrays},
+        },
+    }
+    types = {"scene": {"contentType": "application/json"}, "arrays": {"contentType": "application/octet-stream"}}
+    content = {"application/json": {"schema": document}, "multipart/form-data": {"schema": parts, "encoding": types}}
+    return {"requestBody": {"required": True, "content": content}}
+
+
 _IF_NONE_MATCH: Final = {
     "name": "If-None-Match",
     "in": "header",
@@ -25,9 +62,10 @@ _IF_NONE_MATCH: Final = {
 }
 
 _DESCRIPTIONS: Final = {
-    400: "Not HTTP or JSON as it should be",
+    400: "Not HTTP, JSON, multipart or .npz as it should be",
+    404: "No scene is kept under this id",
     413: "More bytes, quadrics or pixels than a limit allows",
-    415: "Not `application/json`, or compressed",
+    415: "Not `application/json` or `multipart/form-data`, or compressed",
     422: "The scene document breaks a rule; `errors` names each place",
     429: "The queue is full; try again after `Retry-After` seconds",
     500: "A defect, or the render process died with the request in it, twice",
@@ -88,9 +126,9 @@ RENDER_DOCS: Final[dict[str, Any]] = {
             },
         },
         304: {"description": "The client has this image already"},
-        **problems(400, 413, 415, 422, 429, 500, 503, 504),
+        **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": {**_BODY, "parameters": [_IF_NONE_MATCH]},
+    "openapi_extra": {**_body(_SCENE), "parameters": [_IF_NONE_MATCH]},
 }
 CANONICAL_DOCS: Final[dict[str, Any]] = {
     "responses": {
@@ -99,9 +137,27 @@ CANONICAL_DOCS: Final[dict[str, Any]] = {
             "content": {"application/json": {"schema": _SCENE}},
             "headers": {"Server-Timing": _TIMING},
         },
+        **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
+    },
+    "openapi_extra": _body(_SCENE),
+}
+KEEP_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        201: {
+            "description": "The scene is kept",
+            "content": {"application/json": {"schema": _KEPT}},
+            "headers": {"Location": {"schema": {"type": "string"}}, "Server-Timing": _TIMING},
+        },
         **problems(400, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": _BODY,
+    "openapi_extra": _body(_QUADRICS),
+}
+DROP_DOCS: Final[dict[str, Any]] = {"responses": problems(404)}
+KEPT_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        200: {"description": "The kept scene", "content": {"application/json": {"schema": _KEPT}}},
+        **problems(404),
+    }
 }
 DEVICE_DOCS: Final[dict[str, Any]] = {"responses": problems(429, 500, 503)}
 READY_DOCS: Final[dict[str, Any]] = {"responses": problems(503)}

@@ -12,8 +12,10 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from conicoid_service.blob import Blob
+from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
-from conicoid_service.errors import NotReadyError
+from conicoid_service.errors import NotReadyError, UnknownSceneError
+from conicoid_service.kept_scenes import KeptScene, KeptScenes
 from conicoid_service.settings import Settings
 from conicoid_service.supervisor import Answer, Supervisor
 
@@ -33,10 +35,18 @@ class Commands:
 
 @dataclass(frozen=True)
 class ReadScene:
-    """A document that has been read: its scene for the render process and the scene's hash."""
+    """A document that has been read, for the render process.
 
-    scene: Blob
+    Attributes:
+        view: camera and output, pickled.
+        quadrics: the quadrics, pickled; whoever has finished with the two closes them.
+        scene_hash, quadrics_hash: as in `conicoid.canonical`.
+    """
+
+    view: Blob
+    quadrics: Blob
     scene_hash: str
+    quadrics_hash: str
     timings: Timings = field(repr=False)
 
 
@@ -44,7 +54,11 @@ class Pipeline:
     """Both children and what flows through them."""
 
     def __init__(self, settings: Settings, commands: Commands) -> None:
-        self._limits = {"quadrics": settings.quadric_limit, "pixels": settings.pixel_limit}
+        self._limits = {
+            "quadrics": settings.quadric_limit,
+            "pixels": settings.pixel_limit,
+            "bytes of arrays": settings.body_limit,
+        }
         supervised = partial(
             Supervisor,
             queue_length=settings.queue_length,
@@ -52,6 +66,7 @@ class Pipeline:
             start_deadline_s=settings.start_deadline_s,
         )
         device = {"device": settings.device, "threads": settings.threads, "cache_dir": str(settings.cache_dir)}
+        self.kept = KeptScenes(settings.kept_limit)
         self._documents = supervised("document", commands.document, {})
         self._renders = supervised("render", commands.render, device)
 
@@ -61,7 +76,8 @@ class Pipeline:
         self._renders.start()
 
     async def stop(self) -> None:
-        """End both children."""
+        """End both children and give up what is kept."""
+        self.kept.close()
         await asyncio.gather(asyncio.to_thread(self._documents.stop), asyncio.to_thread(self._renders.stop))
 
     def check_ready(self) -> None:
@@ -78,24 +94,59 @@ class Pipeline:
         """What the render process says about itself: `device`, as `conicoid.device` describes it, and `threads`."""
         return await self._renders.hello()
 
-    async def canonical(self, body: Blob) -> tuple[bytes, Timings]:
-        """The canonical form of a document; takes the body over."""
-        answer = await self._documents.call({"do": "canonical", "limits": self._limits}, [body])
+    async def canonical(self, body: Body) -> tuple[bytes, Timings]:
+        """The canonical form of a document; takes the body over.
+
+        Raises:
+            UnknownSceneError: it names quadrics that are not kept.
+        """
+        with body.blob.shared() as again:
+            answer = await self._ask("canonical", body)
+            if "scene" in answer.message:
+                kept = self.kept.get(answer.message["scene"]).blob.shared()
+                answer = await self._ask("canonical", Body(again.shared(), body.boundary), kept)
         with answer.blobs[0] as text:
             return text.read(), _timings(answer)
 
-    async def read(self, body: Blob) -> ReadScene:
-        """Read a document and check it against the limits; takes the body over, the caller closes the scene."""
-        answer = await self._documents.call({"do": "read", "limits": self._limits}, [body])
-        return ReadScene(answer.blobs[0], answer.message["scene_hash"], _timings(answer))
+    async def keep(self, body: Body) -> tuple[KeptScene, Timings]:
+        """Keep the quadrics of a document; takes the body over.
+
+        Raises:
+            LimitError: they are more than may be kept.
+        """
+        answer = await self._ask("keep", body)
+        scene = KeptScene(answer.message["quadrics_hash"], answer.message["quadrics"], answer.blobs[0])
+        self.kept.keep(scene)
+        return scene, _timings(answer)
+
+    async def read(self, body: Body) -> ReadScene:
+        """Read a document and check it against the limits; takes the body over, the caller closes what is read.
+
+        Raises:
+            UnknownSceneError: it names quadrics that are not kept.
+        """
+        answer = await self._ask("read", body)
+        view, *own = answer.blobs
+        hashes = answer.message["scene_hash"], answer.message["quadrics_hash"]
+        try:
+            quadrics = own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
+        except UnknownSceneError:
+            view.close()
+            raise
+        return ReadScene(view, quadrics, *hashes, _timings(answer))
 
     async def render(self, read: ReadScene) -> tuple[Blob, Timings, dict[str, int]]:
         """The EXR image of a scene, and how many pixels were `refined` in double-double and `settled` on the host.
 
         Takes the scene over; the caller closes the image.
         """
-        answer = await self._renders.call({"scene_hash": read.scene_hash}, [read.scene])
+        message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash}
+        answer = await self._renders.call(message, [read.view, read.quadrics])
         return answer.blobs[0], _timings(answer), {key: answer.message[key] for key in ("refined", "settled")}
+
+    async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
+        message = {"do": do, "limits": self._limits, "boundary": body.boundary}
+        return await self._documents.call(message, [body.blob, *kept])
 
 
 def _timings(answer: Answer) -> Timings:

@@ -15,7 +15,10 @@ MEDIA_TYPE: Final = "application/problem+json"
 STATUS: Final[dict[str, tuple[int, str]]] = {
     "bad-request": (400, "Bad request"),
     "scene-json": (400, "Body is not JSON"),
+    "scene-npz": (400, "Arrays are not an .npz file"),
+    "multipart": (400, "Body is not as its type says"),
     "not-found": (404, "Not found"),
+    "unknown-scene": (404, "Scene not kept"),
     "method-not-allowed": (405, "Method not allowed"),
     "limit": (413, "Too much work"),
     "media-type": (415, "Unsupported media type"),

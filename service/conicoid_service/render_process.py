@@ -5,13 +5,29 @@ import pickle
 import sys
 import time
 
-from conicoid.scene import Scene
+from conicoid.scene import Quadrics, Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.cpus import usable_cpus
 from conicoid_service.kernel_cache import take_slot
 from conicoid_service.worker import Handler, Reply, serve
+
+
+class LastQuadrics:
+    """The quadrics of the last frame: the next camera on them finds them here."""
+
+    def __init__(self) -> None:
+        self._hash = ""
+        self._quadrics: Quadrics | None = None
+
+    def quadrics(self, quadrics_hash: str, blob: Blob) -> Quadrics:
+        """The quadrics in a blob, which is read only if they are others than last time."""
+        if self._quadrics is None or self._hash != quadrics_hash:
+            self._quadrics = None  # before the others take their room
+            self._quadrics = pickle.loads(blob.read())  # noqa: S301  # written by the document process
+            self._hash = quadrics_hash
+        return self._quadrics
 
 
 def start(configuration: Message) -> tuple[Handler, Message]:
@@ -29,9 +45,12 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     from conicoid.engine import Renderer  # loads OpenCL, which reads its environment only once
 
     renderer = Renderer(configuration["device"])
+    last = LastQuadrics()
 
     def render(message: Message, blobs: list[Blob]) -> Reply:
-        scene: Scene = pickle.loads(blobs[0].read())  # noqa: S301  # written by the document process
+        view, quadrics = blobs
+        camera, output = pickle.loads(view.read())  # noqa: S301  # written by the document process
+        scene = Scene(last.quadrics(message["quadrics_hash"], quadrics), camera, output)
         frame = renderer.render(scene)
         started = time.perf_counter()
         image = Blob()

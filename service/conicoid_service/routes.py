@@ -1,4 +1,4 @@
-"""What the service does for scenes: render, canonical form, device."""
+"""What the service does for scenes: render, canonical form, keep; and what it does it with."""
 
 from importlib.metadata import version
 from typing import Any
@@ -6,11 +6,11 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from conicoid import __version__
-from conicoid_service.blob import Blob
-from conicoid_service.bodies import receive_json
+from conicoid_service.bodies import Body, receive
 from conicoid_service.disconnects import while_connected
 from conicoid_service.entity_tags import entity_tag, matches
-from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, RENDER_DOCS
+from conicoid_service.kept_scenes import KeptScene
+from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, DROP_DOCS, KEEP_DOCS, KEPT_DOCS, RENDER_DOCS
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
 from conicoid_service.settings import Settings
@@ -30,13 +30,13 @@ async def render(request: Request) -> Response:
     `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
     settings, pipeline = _parts(request)
-    body = await receive_json(request, settings.body_limit)
+    body = await receive(request, settings.body_limit)
     return await while_connected(request, _render(pipeline, body, request.headers.get("if-none-match")))
 
 
-async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> Response:
+async def _render(pipeline: Pipeline, body: Body, if_none_match: str | None) -> Response:
     read = await pipeline.read(body)
-    with read.scene:
+    with read.view, read.quadrics:
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
         if matches(if_none_match, tag):
             return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(read.timings)})
@@ -55,9 +55,35 @@ async def _render(pipeline: Pipeline, body: Blob, if_none_match: str | None) -> 
 async def canonical(request: Request) -> Response:
     """The document's canonical form: everything resolved, every default filled in; it renders to the same bytes."""
     settings, pipeline = _parts(request)
-    body = await receive_json(request, settings.body_limit)
+    body = await receive(request, settings.body_limit)
     text, timings = await while_connected(request, pipeline.canonical(body))
     return Response(text, headers={"Server-Timing": server_timing(timings)}, media_type="application/json")
+
+
+@router.post("/scenes", status_code=201, **KEEP_DOCS)
+async def keep(request: Request, response: Response) -> dict[str, Any]:
+    """Keep the quadrics of a document, to render them from many cameras without sending them again.
+
+    A render says `"scene": id` in place of `quadrics`. The id is made of the quadrics, so the same have the same id
+    always and everywhere. What was not used for longest is dropped when room is needed.
+    """
+    settings, pipeline = _parts(request)
+    body = await receive(request, settings.body_limit)
+    kept, timings = await while_connected(request, pipeline.keep(body))
+    response.headers.update({"Location": f"/v1/scenes/{kept.id}", "Server-Timing": server_timing(timings)})
+    return _about(kept)
+
+
+@router.get("/scenes/{scene_id}", **KEPT_DOCS)
+async def kept_scene(request: Request, scene_id: str) -> dict[str, Any]:
+    """A kept scene: its id, how many quadrics it has, the bytes that it takes."""
+    return _about(_parts(request)[1].kept.get(scene_id))
+
+
+@router.delete("/scenes/{scene_id}", status_code=204, **DROP_DOCS)
+async def drop(request: Request, scene_id: str) -> None:
+    """Give a kept scene up; renders of it that have begun go on."""
+    _parts(request)[1].kept.drop(scene_id)
 
 
 @router.get("/device", **DEVICE_DOCS)
@@ -84,10 +110,15 @@ async def device(request: Request) -> dict[str, Any]:
             "body_bytes": settings.body_limit,
             "quadrics": settings.quadric_limit,
             "pixels": settings.pixel_limit,
+            "kept_bytes": settings.kept_limit,
             "queue": settings.queue_length,
             "deadline_s": settings.deadline_s,
         },
     }
+
+
+def _about(kept: KeptScene) -> dict[str, Any]:
+    return {"id": kept.id, "quadrics": kept.quadrics, "bytes": len(kept.blob)}
 
 
 def _parts(request: Request) -> tuple[Settings, Pipeline]:

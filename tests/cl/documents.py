@@ -47,43 +47,64 @@ def matrices(draw: st.DrawFn) -> list[list[Any]]:
     return [[entries[k] for k in row] for row in order]
 
 
-@st.composite
-def parameters(draw: st.DrawFn, shape: Shape) -> Json:
+def values(shape: Shape) -> dict[str, st.SearchStrategy[Any]]:
+    """Strategies for one value of every key that a shape takes."""
+    parameters: dict[str, st.SearchStrategy[Any]] = {}
     if shape.name == "quadric":
-        if draw(st.booleans()):
-            return {"matrix": draw(matrices())}
-        return {"coefficients": draw(nonzero(finite, 10))}
-    keys = ["radius"] * shape.radius + ["radii"] * (shape.radii > 1) + [""]
-    key = draw(st.sampled_from(keys))
-    if key == "radius":
-        return {"radius": draw(positive)}
-    return {"radii": draw(lists(positive, shape.radii))} if key == "radii" else {}
+        parameters = {"matrix": matrices(), "coefficients": nonzero(finite, 10)}
+    if shape.radius:
+        parameters["radius"] = positive
+    if shape.radii > 1:
+        parameters["radii"] = lists(positive, shape.radii)
+    return parameters | {
+        "transform": transforms(),
+        "center": lists(finite, 3),
+        "rotation": nonzero(finite, 4),
+        "z_range": lists(finite, 2).map(sorted),
+        "clip": st.lists(lists(finite, 4), max_size=8),
+        "id": st.integers(1, 2**32 - 1),
+        "name": st.text(max_size=5),
+        "capped": st.booleans(),
+    }
+
+
+@st.composite
+def keys(draw: st.DrawFn, shape: Shape) -> set[str]:
+    """Keys of a shape that may stand together, besides `shape` itself."""
+    choices = {"matrix", "coefficients"} if shape.name == "quadric" else {"radius", "radii", ""}
+    placed = {"center", "rotation"} if draw(st.booleans()) else {"transform"}
+    able = {draw(st.sampled_from(sorted(choices & {*values(shape), ""})))} - {""}
+    optional = draw(st.sets(st.sampled_from(sorted({*placed, "z_range", "clip", "id", "name", "capped"}))))
+    return able | (optional if "z_range" in optional else optional - {"capped"})
 
 
 @st.composite
 def quadrics(draw: st.DrawFn) -> Json:
     shape = draw(st.sampled_from(SHAPES))
-    placement: dict[str, st.SearchStrategy[Any]] = (
-        {"transform": transforms()}
-        if draw(st.booleans())
-        else {"center": lists(finite, 3), "rotation": nonzero(finite, 4)}
-    )
-    optional = draw(
-        st.fixed_dictionaries(
-            {},
-            optional=placement
-            | {
-                "z_range": lists(finite, 2).map(sorted),
-                "clip": st.lists(lists(finite, 4), max_size=8),
-                "id": st.integers(1, 2**32 - 1),
-                "name": st.text(max_size=5),
-                "capped": st.booleans(),
-            },
-        )
-    )
-    if "z_range" not in optional:
-        optional["capped"] = False
-    return {"shape": shape.name} | draw(parameters(shape)) | optional
+    kinds = values(shape)
+    return {"shape": shape.name} | {key: draw(kinds[key]) for key in sorted(draw(keys(shape)))}
+
+
+@st.composite
+def sets(draw: st.DrawFn) -> tuple[Json, list[Json]]:
+    """A set, and its quadrics as entries of their own."""
+    shape = draw(st.sampled_from(SHAPES))
+    kinds, count = values(shape), draw(st.integers(0, 4))
+    entry: Json = {"shape": shape.name, "count": count}
+    elements: list[Json] = [{"shape": shape.name} for _ in range(count)]
+    for key in sorted(draw(keys(shape))):
+        if draw(st.booleans()):
+            entry[key] = [draw(kinds[key]) for _ in range(count)]
+            each = entry[key]
+        elif key == "id":
+            entry[key] = draw(st.integers(1, 2**32 - max(1, count)))
+            each = range(entry[key], entry[key] + count)
+        else:
+            entry[key] = draw(kinds[key])
+            each = [entry[key]] * count
+        for element, value in zip(elements, each, strict=True):
+            element[key] = value
+    return entry, elements
 
 
 def rotations_by_quarters() -> st.SearchStrategy[list[list[int]]]:
@@ -142,7 +163,17 @@ outputs = st.fixed_dictionaries(
         "half_normals": st.booleans(),
     },
 )
+entries = quadrics() | sets().map(lambda pair: pair[0])
 documents = st.fixed_dictionaries(
-    {"conicoid": st.just(1), "quadrics": st.lists(quadrics(), max_size=6), "camera": cameras()},
+    {"conicoid": st.just(1), "quadrics": st.lists(entries, max_size=6), "camera": cameras()},
     optional={"output": outputs},
 )
+
+
+@st.composite
+def documents_and_expansions(draw: st.DrawFn) -> tuple[Json, Json]:
+    """A document with sets, and the same with every set written out."""
+    pairs = draw(st.lists(sets() | quadrics().map(lambda one: (one, [one])), min_size=1, max_size=6))
+    document = draw(st.fixed_dictionaries({"conicoid": st.just(1), "camera": cameras()}))
+    expansion = [element for _, elements in pairs for element in elements]
+    return document | {"quadrics": [entry for entry, _ in pairs]}, document | {"quadrics": expansion}

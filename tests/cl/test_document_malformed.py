@@ -5,7 +5,6 @@ import json
 import jsonschema
 import pytest
 
-from conicoid.document import parse
 from conicoid.errors import SceneError
 from conicoid.schema import json_schema
 from tests.malformed import CASES, Case
@@ -16,14 +15,14 @@ SCHEMA = jsonschema.Draft202012Validator(json_schema())
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
 def test_a_malformed_document_has_one_problem_at_its_place(case: Case) -> None:
     with pytest.raises(SceneError) as caught:
-        parse(case.body)
+        case.parse()
     assert [(problem.pointer, problem.code) for problem in caught.value.problems] == [(case.pointer, case.code)]
 
 
 @pytest.mark.parametrize("case", CASES, ids=[case.name for case in CASES])
 def test_a_message_is_one_printable_line_with_a_remedy(case: Case) -> None:
     with pytest.raises(SceneError) as caught:
-        parse(case.body)
+        case.parse()
     (problem,) = caught.value.problems
     assert problem.message.isprintable()
     assert problem.message.isascii()

@@ -1,9 +1,12 @@
 """The client library against answers made up here."""
 
+import io
 import json
+import re
 from collections.abc import Callable, Mapping
 
 import httpx
+import numpy as np
 import pytest
 
 import conicoid_client
@@ -176,3 +179,60 @@ def test_the_package_offers_what_it_names_and_nothing_else() -> None:
     assert all(getattr(conicoid_client, name).__name__ == name for name in conicoid_client.__all__)
     with pytest.raises(AttributeError, match="Clinet"):
         conicoid_client.Clinet  # noqa: B018
+
+
+def parts(request: httpx.Request) -> dict[bytes, bytes]:
+    """The parts of a multipart body by name, checked to be where the service looks for them."""
+    boundary = request.headers["Content-Type"].removeprefix("multipart/form-data; boundary=").encode()
+    pieces = request.content.split(b"--" + boundary)[1:-1]
+    found = [re.search(rb'name="(\w+)".*?\r\n\r\n(.*)\r\n', piece, re.DOTALL) for piece in pieces]
+    return {match[1]: match[2] for match in found if match}
+
+
+def test_arrays_travel_beside_the_document_as_they_are() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert parts(request) == {b"scene": b'{"output": {"precision": "exact"}, "a":  1}', b"arrays": b"\r\n--npz"}
+        return exr()
+
+    client(answer).render(b'{"a":  1}', arrays=b"\r\n--npz", precision="exact")
+
+
+def test_arrays_by_name_become_a_file_that_numpy_reads() -> None:
+    center, file, ids = np.ones((2, 3), np.float32, order="F"), np.array([1.0, 2.0]), np.arange(2, dtype=np.uint16)
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        sent = np.load(io.BytesIO(parts(request)[b"arrays"]))
+        assert set(sent) == {"center", "file", "odd name"}
+        for name, array in (("center", center), ("file", file), ("odd name", ids)):
+            assert sent[name].dtype == array.dtype
+            assert np.array_equal(sent[name], array)
+        return httpx.Response(200, content=b"{}", headers={"Content-Type": "application/json"})
+
+    client(answer).canonical({}, arrays={"center": center, "file": file, "odd name": ids})
+
+
+def test_objects_are_refused_before_they_are_sent() -> None:
+    with pytest.raises(ValueError, match="Object arrays"):
+        client(lambda _: exr()).render({}, arrays={"radius": np.array([{}])})
+
+
+def test_arrays_are_sent_again_when_the_service_was_busy(naps: list[float]) -> None:
+    bodies = []
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        bodies.append(parts(request))
+        return exr() if len(bodies) > 1 else httpx.Response(503, headers={"Retry-After": "1"})
+
+    client(answer).render(b"{}", arrays=b"npz")
+    assert naps == [1.0]
+    assert bodies == [{b"scene": b"{}", b"arrays": b"npz"}] * 2
+
+
+def test_a_kept_scene_is_named_by_its_id() -> None:
+    def answer(request: httpx.Request) -> httpx.Response:
+        assert (request.method, request.url.path) == ("POST", "/v1/scenes")
+        assert parts(request) == {b"scene": b"{}", b"arrays": b"npz"}
+        headers = {"Content-Type": "application/json"}
+        return httpx.Response(201, headers=headers, content=b'{"id": "a1", "quadrics": 1, "bytes": 150}')
+
+    assert client(answer).keep({}, arrays=b"npz") == "a1"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import numpy as np
 import pytest
 
 from conicoid_client import Client
@@ -111,6 +112,65 @@ def test_canonical_is_its_own_canonical_form_and_renders_to_the_same_bytes(addre
     assert conicoid("canonical", "-", "--server", address, stdin=once).stdout == once
     assert conicoid("canonical", "-", stdin=TEXT).stdout == once
     assert conicoid("render", "-", "-o", "-", "--server", address, stdin=once).stdout == image
+
+
+LISTED = SCENE | {"quadrics": [{"shape": "sphere", "count": 2, "center": [[0, 0, -3], [1, 0, -4]], "radius": 1}]}
+NAMED = json.dumps(SCENE | {"quadrics": [{"shape": "sphere", "count": 2, "center": "@c"}]}).encode()
+
+
+@pytest.fixture
+def arrays(tmp_path: Path) -> Path:
+    np.savez(tmp_path / "arrays.npz", c=np.array([[0, 0, -3], [1, 0, -4]], np.float32))
+    return tmp_path / "arrays.npz"
+
+
+def test_arrays_in_a_file_render_as_lists_in_the_scene_do(address: str, arrays: Path) -> None:
+    with Client(address) as client:
+        listed = client.render(LISTED).exr
+        assert client.render(NAMED, arrays=arrays.read_bytes()).exr == listed
+        assert client.render(NAMED, arrays={"c": np.array([[0.0, 0, -3], [1, 0, -4]])}).exr == listed
+    named = arrays.with_name("scene.json")
+    named.write_bytes(NAMED)
+    for server in ([], ["--server", address]):
+        done = conicoid("render", str(named), "--arrays", str(arrays), "-o", "-", *server)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert done.stdout == listed
+    piped = conicoid("render", str(named), "--arrays", "-", "-o", "-", "--server", address, stdin=arrays.read_bytes())
+    assert piped.stdout == listed
+
+
+def test_kept_quadrics_render_as_their_own_document_does_from_every_camera(address: str, image: bytes) -> None:
+    with Client(address) as client:
+        kept = {"conicoid": 1, "scene": client.keep(TEXT)}
+        for fov_y in (60, 30, 60):
+            camera = {"camera": SCENE["camera"] | {"fov_y": fov_y}}
+            assert client.render(kept | camera).exr == client.render(SCENE | camera).exr
+        assert client.render(kept | {"camera": SCENE["camera"]}).exr == image
+
+
+def test_the_canonical_form_needs_no_arrays_any_more(address: str, arrays: Path) -> None:
+    done = conicoid("canonical", "-", "--arrays", str(arrays), "--server", address, stdin=NAMED)
+    assert done.returncode == 0
+    assert [quadric["id"] for quadric in json.loads(done.stdout)["quadrics"]] == [1, 2]
+    verified = conicoid("verify", "-", "--arrays", str(arrays), "--samples", "5", "--server", address, stdin=NAMED)
+    assert verified.returncode == 0, verified.stderr
+
+
+def test_mistakes_with_arrays_are_2_and_say_which(address: str, arrays: Path, tmp_path: Path) -> None:
+    alone = conicoid("canonical", "-", "--server", address, stdin=NAMED)
+    assert alone.returncode == 2
+    assert "quadrics[0].center" in paragraph(alone)
+    broken = tmp_path / "broken.npz"
+    broken.write_bytes(b"x")
+    refused = conicoid("canonical", "-", "--arrays", str(broken), "--server", address, stdin=NAMED)
+    assert refused.returncode == 2
+    assert "arrays: not an .npz file" in paragraph(refused)
+    both = conicoid("canonical", "-", "--arrays", "-", stdin=arrays.read_bytes())
+    assert both.returncode == 2
+    assert "both standard input" in paragraph(both)
+    missing = conicoid("canonical", "-", "--arrays", str(tmp_path / "nothing.npz"), stdin=NAMED)
+    assert missing.returncode == 1
+    assert "nothing.npz" in paragraph(missing)
 
 
 def test_info_describes_windows_channels_and_camera(image: bytes) -> None:

@@ -104,8 +104,8 @@ class Damaging:
     def __exit__(self, *_: object) -> None:
         self._client.close()
 
-    def canonical(self, scene: bytes) -> bytes:
-        return self._client.canonical(scene)
+    def canonical(self, scene: bytes, *, arrays: bytes | None) -> bytes:
+        return self._client.canonical(scene, arrays=arrays)
 
     def render(self, scene: bytes) -> Rendering:
         rendering = self._client.render(scene)
@@ -135,7 +135,9 @@ def test_a_damaged_image_is_reported_with_the_place(
     address: str, scene: Path, monkeypatch: pytest.MonkeyPatch, channel: str, value: float, message: str
 ) -> None:
     monkeypatch.setattr(verify, "connect", lambda _: Damaging(Client(address), channel, value))
-    options = argparse.Namespace(scene=str(scene), every_pixel=True, samples=0, precision=None, server=None, json=False)
+    options = argparse.Namespace(
+        scene=str(scene), arrays=None, every_pixel=True, samples=0, precision=None, server=None, json=False
+    )
     with pytest.raises(Failure) as failure:
         verify.run(options)
     assert "1 of 1,200 pixels" in str(failure.value)

@@ -1,8 +1,8 @@
 """Malformed scene documents as data: each has one mistake, at a known place, with a known code."""
 
-from tests.malformed import cameras, outputs, quadrics, texts
+from tests.malformed import cameras, npz, outputs, quadrics, sets, texts
 from tests.malformed.case import Case
 
-CASES: list[Case] = [*texts.CASES, *quadrics.CASES, *cameras.CASES, *outputs.CASES]
+CASES: list[Case] = [*texts.CASES, *quadrics.CASES, *sets.CASES, *npz.CASES, *cameras.CASES, *outputs.CASES]
 
 __all__ = ["CASES", "Case"]

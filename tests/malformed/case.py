@@ -1,7 +1,15 @@
 """What a malformed document is, and the sound document around each mistake."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from io import BytesIO
+from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from conicoid.document import Document, parse, read_npz
+
+MOST_BYTES = 10_000
 LENS = '"width": 64, "height": 48, "fov_y": 40'
 LOOK_AT = '"look_at": {"eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0]}'
 IDENTITY = "[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"
@@ -16,6 +24,7 @@ class Case(NamedTuple):
         pointer: the place of the one problem it has.
         code: the code of that problem.
         schema: whether JSON Schema refuses it too; None where the body is not even JSON.
+        arrays: what comes beside the document, by name or as an .npz file; None for nothing.
     """
 
     name: str
@@ -23,6 +32,20 @@ class Case(NamedTuple):
     pointer: str
     code: str
     schema: bool | None = True
+    arrays: Mapping[str, NDArray[Any]] | bytes | None = None
+
+    def parse(self) -> Document:
+        """Read it as the service does."""
+        arrays = self.arrays
+        return parse(self.body, read_npz(BytesIO(arrays), MOST_BYTES) if isinstance(arrays, bytes) else arrays)
+
+    def npz(self) -> bytes:
+        """The arrays as a file."""
+        if isinstance(self.arrays, bytes):
+            return self.arrays
+        file, arrays = BytesIO(), dict[str, Any](self.arrays or {})
+        np.savez(file, **arrays)
+        return file.getvalue()
 
 
 def document(quadrics: str = "[]", camera: str = f"{{{LENS}}}", rest: str = "") -> bytes:

@@ -1,5 +1,7 @@
 """Bodies that are not JSON, or not one scene object."""
 
+import numpy as np
+
 from tests.malformed.case import Case, document
 
 SOUND = document()
@@ -74,10 +76,15 @@ CASES = [
         False,
     ),
     Case("batch of cameras", b'{"conicoid": 1, "quadrics": [], "cameras": []}', "cameras", "scene-unsupported"),
+    Case("quadrics beside a kept scene", document(rest=', "scene": "a1"'), "scene", "scene-conflict"),
+    Case("kept scene a number", document(rest=', "scene": 1').replace(b'"quadrics": [], ', b""), "scene", "scene-type"),
+    Case("kept scene null", document(rest=', "scene": null').replace(b'"quadrics": [], ', b""), "scene", "scene-type"),
     Case(
-        "stored scene",
-        b'{"conicoid": 1, "scene": "a1", "camera": {"width": 1, "height": 1, "fov_y": 1}}',
-        "scene",
-        "scene-unsupported",
+        "array beside a kept scene",
+        document(rest=', "scene": "a1"').replace(b'"quadrics": [], ', b""),
+        "arrays.a",
+        "scene-array",
+        False,
+        {"a": np.ones(1)},
     ),
 ]

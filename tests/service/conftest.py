@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +57,7 @@ def search_path() -> Iterator[None]:
 @pytest.fixture(scope="module")
 async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """An application whose render process is fake, shared by the tests of a module."""
-    limits = Settings(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000)
+    limits = Settings(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000, kept_limit=100_000)
     async with serving(limits, FAKE) as shared:
         yield shared
 
@@ -79,7 +79,8 @@ def children() -> set[int]:
     """Processes whose parent is this one, zombies included."""
     found: set[int] = set()
     for thread in Path("/proc/self/task").iterdir():
-        found |= {int(pid) for pid in (thread / "children").read_text().split()}
+        with suppress(FileNotFoundError):  # the thread has ended since; its children are another's now
+            found |= {int(pid) for pid in (thread / "children").read_text().split()}
     return found
 
 

@@ -21,7 +21,8 @@ def start(_: Message) -> tuple[Handler, Message]:
 
 
 def handle(message: Message, blobs: list[Blob]) -> Reply:
-    scene: Scene = pickle.loads(blobs[0].read())
+    view, quadrics = (pickle.loads(blob.read()) for blob in blobs)
+    scene = Scene(quadrics, *view)
     words = scene.quadrics.name.get(0, "").split()
     match words:
         case ["abort"]:

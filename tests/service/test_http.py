@@ -93,6 +93,7 @@ async def test_device_tells_what_renders_and_what_is_allowed(client: httpx.Async
         "body_bytes": 2_000_000,
         "quadrics": 100,
         "pixels": 5_000,
+        "kept_bytes": 100_000,
         "queue": 32,
         "deadline_s": 60,
     }

@@ -12,6 +12,9 @@ pytestmark = pytest.mark.anyio
 @pytest.mark.parametrize("path", SCENE_ROUTES)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 async def test_a_malformed_document_is_a_problem_at_its_place(client: httpx.AsyncClient, path: str, case: Case) -> None:
-    response = await client.post(path, content=case.body, headers=JSON)
-    problem = assert_problem(response, 400 if case.code == "scene-json" else 422, case.code)
+    if case.arrays is None:
+        response = await client.post(path, content=case.body, headers=JSON)
+    else:
+        response = await client.post(path, files={"scene": case.body, "arrays": case.npz()})
+    problem = assert_problem(response, 400 if case.code in ("scene-json", "scene-npz") else 422, case.code)
     assert [(error["pointer"], error["code"]) for error in problem["errors"]] == [(case.pointer, case.code)]

@@ -31,9 +31,21 @@ class Kind(Protocol):
 class Flag:
     """`true` or `false`."""
 
-    def column(self, values: list[Any]) -> NDArray[np.bool_] | None:
+    def column(self, values: list[Any] | NDArray[np.bool_]) -> NDArray[np.bool_] | None:
         """(n,) bool."""
+        if isinstance(values, np.ndarray):
+            return values
         return np.array(values, dtype=bool) if set(map(type, values)) <= {bool} else None
+
+    def is_spread(self, value: Any) -> bool:
+        """A list."""
+        return isinstance(value, list)
+
+    def fault(self, array: NDArray[Any]) -> str | None:
+        """Anything but (n,) bool."""
+        if array.dtype == bool and array.ndim == 1:
+            return None
+        return f"an array of {array.dtype} and shape {array.shape} is not one of bool and shape (n,); convert it"
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Any other type is wrong."""
@@ -48,9 +60,19 @@ class Flag:
 class Text:
     """Free text."""
 
-    def column(self, values: list[Any]) -> list[str] | None:
+    def column(self, values: list[Any] | NDArray[Any]) -> list[str] | None:
         """The n strings."""
+        if isinstance(values, np.ndarray):
+            return None
         return values if set(map(type, values)) <= {str} and _is_unicode("".join(values)) else None
+
+    def is_spread(self, value: Any) -> bool:
+        """A list."""
+        return isinstance(value, list)
+
+    def fault(self, array: NDArray[Any]) -> str | None:
+        """Any array."""
+        return f"an array of {array.dtype} is not text; give one text, or a list of them"
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Another type, or half a surrogate pair, which is no character and cannot be written as UTF-8."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import chain
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,8 @@ from conicoid.document.json_text import Unreadable
 from conicoid.document.problems import Problems, show, unlike
 from conicoid.document.rules import Rule
 from conicoid.scene import Floats
+
+_BLOCK: Final = 1 << 14
 
 
 @dataclass(frozen=True)
@@ -34,14 +36,30 @@ class Numbers:
     below: float | None = None
     rules: tuple[Rule, ...] = ()
 
-    def column(self, values: list[Any]) -> NDArray[Any] | None:
+    def column(self, values: list[Any] | NDArray[Any]) -> NDArray[Any] | None:
         """(n, *shape) float64 without -0, or int64."""
         array = self._entries(values)
-        if array is None or not all(rule.holds(array).all() for rule in self.rules):
+        if array is None or not all(_holds(rule, array) for rule in self.rules):
             return None
         return array
 
-    def _entries(self, values: list[Any]) -> NDArray[Any] | None:
+    def is_spread(self, value: Any) -> bool:
+        """A list whose first items nest one level deeper than one value; of an empty list there is no telling."""
+        return _nests(value, len(self.shape))
+
+    def fault(self, array: NDArray[Any]) -> str | None:
+        """Anything but (n, *shape) of float64 or float32, of an unsigned type for integers."""
+        if not _is_numeric(array, whole=self.whole):
+            wanted = "an unsigned integer type" if self.whole else "float64 or float32"
+            return f"an array of {array.dtype} is not one of {wanted}; convert it"
+        if array.shape[1:] != self.shape:
+            wanted = f"({', '.join(map(str, ('n', *self.shape)))}{'' if self.shape else ','})"
+            return f"an array of shape {array.shape} is not one of {wanted}; give {self.noun} in each row"
+        return None
+
+    def _entries(self, values: list[Any] | NDArray[Any]) -> NDArray[Any] | None:
+        if isinstance(values, np.ndarray):
+            return self._converted(values)
         flat = values
         for size in self.shape:
             if not (set(map(type, flat)) <= {list} and set(map(len, flat)) <= {size}):
@@ -57,6 +75,11 @@ class Numbers:
             return None
         # Adding 0 turns -0 to +0: no image can tell them apart, and equal scenes get equal hashes.
         return (array + 0).reshape(len(values), *self.shape)
+
+    def _converted(self, array: NDArray[Any]) -> NDArray[Any] | None:
+        if not (np.isfinite(array).all() and all(holds for holds, _ in self._bounds(array))):
+            return None
+        return array.astype(np.int64) if self.whole else np.add(array, 0, dtype=np.float64)
 
     def _bounds(self, entries: Any) -> list[tuple[bool, str]]:
         """Whether all entries (an array or one number) are within each bound, and the bound in words."""
@@ -127,6 +150,24 @@ class Numbers:
         return schema
 
 
+def _holds(rule: Rule, array: NDArray[Any]) -> bool:
+    """Whether all of a column's values satisfy a rule; in blocks, whose intermediate arrays stay in the cache."""
+    return all(rule.holds(array[start : start + _BLOCK]).all() for start in range(0, len(array), _BLOCK))
+
+
+def _nests(value: Any, depth: int) -> bool:
+    """Whether a list's first items are lists, `depth` levels down or as far as they go."""
+    for _ in range(depth):
+        if type(value) is not list or not value:
+            break
+        value = value[0]
+    return type(value) is list
+
+
+def _is_numeric(array: NDArray[Any], *, whole: bool) -> bool:
+    return array.dtype.kind == "u" if whole else array.dtype.kind == "f" and array.dtype.itemsize in (4, 8)
+
+
 class Ragged(NamedTuple):
     """Lists of different lengths, one after the other.
 
@@ -138,6 +179,13 @@ class Ragged(NamedTuple):
     rows: Floats
     counts: NDArray[np.int64]
 
+    def take(self, values: NDArray[np.int64]) -> "Ragged":
+        """The lists of those values, in that order; as often as they come."""
+        counts = self.counts[values]
+        starts = (np.cumsum(self.counts) - self.counts)[values]
+        offsets = np.repeat(starts - (np.cumsum(counts) - counts), counts)
+        return Ragged(self.rows[offsets + np.arange(len(offsets))], counts)
+
 
 @dataclass(frozen=True)
 class Rows:
@@ -146,13 +194,27 @@ class Rows:
     row: Numbers
     most: int
 
-    def column(self, values: list[Any]) -> Ragged | None:
+    def column(self, values: list[Any] | NDArray[Any]) -> Ragged | None:
         """The rows of all values."""
+        if isinstance(values, np.ndarray):
+            rows = self.row.column(values.reshape(-1, *self.row.shape))
+            many = 1 if values.ndim == 2 else values.shape[1]
+            return None if rows is None else Ragged(rows, np.full(len(values), many))
         if not set(map(type, values)) <= {list}:
             return None
         counts = np.fromiter(map(len, values), np.int64, len(values))
         rows = self.row.column(list(chain.from_iterable(values)))
         return None if rows is None or (counts > self.most).any() else Ragged(rows, counts)
+
+    def is_spread(self, value: Any) -> bool:
+        """A list of lists of lists; an empty list is one value, without rows."""
+        return bool(value) and _nests(value, 1 + len(self.row.shape))
+
+    def fault(self, array: NDArray[Any]) -> str | None:
+        """Anything but (n, *row) for one row per element, or (n, up to `most`, *row)."""
+        if array.ndim == 2 + len(self.row.shape) and array.shape[1] <= self.most:
+            array = array[:, 0] if array.shape[1] else array.reshape(0, *array.shape[2:])
+        return self.row.fault(array)
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Not a list, too long, or a wrong row."""

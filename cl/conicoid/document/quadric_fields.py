@@ -16,6 +16,7 @@ from conicoid.document.rules import (
     NONZERO_QUATERNION,
     SYMMETRIC,
 )
+from conicoid.document.set_fields import MOST_ID, set_record
 from conicoid.document.variants import ListOf, Variants
 from conicoid.shapes import SHAPES, Shape
 
@@ -50,8 +51,8 @@ _EXTENT: Final = {
 }
 _NAMING: Final = {
     "id": Field(
-        Numbers("an integer from 1 to 4294967295", whole=True, least=1, most=2**32 - 1),
-        "the number of the quadric in the id channel; its position in the list, from 1, where not given",
+        Numbers(f"an integer from 1 to {MOST_ID}", whole=True, least=1, most=MOST_ID),
+        "the number of the quadric in the id channel; its position among all quadrics, from 1, where not given",
     ),
     "name": Field(Text(), "free text, which changes nothing"),
 }
@@ -102,7 +103,6 @@ def _record(shape: Shape) -> Record:
             ("rotation", "transform"),
         ),
         relations=(_CAPS_NEED_RANGE,),
-        reserved={"count": "a set of quadrics"},
         extra_schema={
             "if": {"required": ["capped"], "properties": {"capped": {"const": True}}},
             "then": {"required": ["z_range"]},
@@ -110,4 +110,6 @@ def _record(shape: Shape) -> Record:
     )
 
 
-QUADRICS: Final = ListOf(Variants("quadric", "shape", {shape.name: _record(shape) for shape in SHAPES}))
+_RECORDS: Final = {shape.name: _record(shape) for shape in SHAPES}
+_SETS: Final = {name: set_record(name, record) for name, record in _RECORDS.items()}
+QUADRICS: Final = ListOf(Variants("quadric", "shape", _RECORDS, sets=_SETS))

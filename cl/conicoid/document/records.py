@@ -67,6 +67,7 @@ class Record:
         fields: all its keys.
         required: keys that must be there.
         choices: sets of keys, exactly one of which must be there.
+        usual: the key that is missed where none of the choices is there; the object itself if empty.
         apart: pairs of keys that exclude each other.
         relations: between values.
         reserved: keys of the format that this version does not read yet, and what they are.
@@ -77,6 +78,7 @@ class Record:
     fields: Mapping[str, Field]
     required: tuple[str, ...] = ()
     choices: tuple[tuple[str, ...], ...] = ()
+    usual: str = ""
     apart: tuple[tuple[str, str], ...] = ()
     relations: tuple[Relation, ...] = ()
     reserved: Mapping[str, str] = field(default_factory=dict)
@@ -140,7 +142,7 @@ class Record:
         touched = [choice for choice in self.choices if any(key in keys for key in choice)]
         wanted = one_of(tuple(" and ".join(choice) for choice in self.choices))
         if not touched:
-            yield None, f"{wanted} is missing; give one of them", "scene-missing"
+            yield self.usual or None, f"{wanted} is missing; give one of them", "scene-missing"
         elif len(touched) > 1:
             first, second, *_ = (next(key for key in choice if key in keys) for choice in touched)
             yield second, f"excludes {first}, which is given too; give only {wanted}", "scene-conflict"

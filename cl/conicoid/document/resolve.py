@@ -1,38 +1,39 @@
 """Columns of a document to the arrays of a scene: parameters in full, placements as one matrix, defaults filled in."""
 
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from conicoid.document.variants import Group
-from conicoid.scene import Floats, Output, Quadrics
+from conicoid.scene import MOST_EXPANDED, Floats, KeptSet, Output, Quadrics
 from conicoid.shapes import SHAPES, Shape
 
+_BLOCK: Final = 1 << 13  # rows at a time, so that what is between lies in the cache
 _SHAPES = {shape.name: shape for shape in SHAPES}
 # Where the ten coefficients [A, B, C, D, E, F, G, H, I, J] stand in Q: f = Ax^2 + 2Bxy + ... + J = x^T Q x.
 _COEFFICIENT_OF_ENTRY = np.array([[0, 1, 2, 3], [1, 4, 5, 6], [2, 5, 7, 8], [3, 6, 8, 9]])
 
 
 def resolve_quadrics(groups: list[Group]) -> Quadrics:
-    """The quadrics of all groups in document order."""
-    n = sum(len(group.index) for group in groups)
+    """The quadrics of all groups in document order, every element of a set one of them."""
+    names, sets = _names(groups)
+    groups = [group.expanded() for group in groups]
+    n = sum(map(len, groups))
     shape = np.zeros(n, np.uint8)
     radii = np.ones((n, 3))
     world_from_object = np.zeros((n, 3, 4))
     ids = np.arange(1, n + 1, dtype=np.uint32)
     z_range = np.tile([-np.inf, np.inf], (n, 1))
     capped = np.zeros(n, bool)
-    names: dict[int, str] = {}
     for group in groups:
-        index, columns = group.index, group.columns
-        shape[index] = _SHAPES[group.variant].code
-        radii[index] = _radii(_SHAPES[group.variant], columns, len(index))
-        world_from_object[index] = _placements(columns, len(index))
+        at, columns = _places(group.index), group.columns
+        shape[at] = _SHAPES[group.variant].code
+        _set_radii(radii, at, _SHAPES[group.variant], columns)
+        _set_placements(world_from_object, at, columns)
         for key, array in (("id", ids), ("z_range", z_range), ("capped", capped)):
             if key in columns:
-                array[index] = columns[key]
-        names |= zip(index.tolist(), columns.get("name", []), strict=False)
+                array[at] = columns[key]
     matrix, matrix_row = _matrices(groups, n)
     clip, clip_start = _clips(groups, n)
     return Quadrics(
@@ -46,18 +47,45 @@ def resolve_quadrics(groups: list[Group]) -> Quadrics:
         capped=capped,
         clip=clip,
         clip_start=clip_start,
-        name=dict(sorted(names.items())),
+        name=names,
+        sets=sets,
     )
 
 
-def _radii(shape: Shape, columns: dict[str, Any], n: int) -> Floats:
-    """(n, 3) radii (a, b, c), 1 where the shape has no such radius."""
-    radii = np.ones((n, 3))
+def _places(index: NDArray[np.int64]) -> slice | NDArray[np.int64]:
+    """Ascending positions as a slice where they have no gaps: many times faster to write to."""
+    if len(index) and index[-1] - index[0] == len(index) - 1:
+        return slice(int(index[0]), int(index[-1]) + 1)
+    return index
+
+
+def _names(groups: list[Group]) -> tuple[dict[int, str], tuple[KeptSet, ...]]:
+    """Names by position, and the sets that are kept, which hold their own."""
+    names: dict[int, str] = {}
+    sets: list[KeptSet] = []
+    for group in groups:
+        column = group.columns.get("name")
+        if group.counts is None:
+            names |= zip(group.index.tolist(), column or [], strict=False)
+            continue
+        given = [None] * len(group.index) if column is None else column.split()
+        for start, count, name in zip(group.index.tolist(), group.counts.tolist(), given, strict=True):
+            if count > MOST_EXPANDED:
+                sets.append(KeptSet(start, start + count, name))
+            elif name is not None:
+                each = [name] * count if isinstance(name, str) else name
+                names |= zip(range(start, start + count), each, strict=True)
+    return dict(sorted(names.items())), tuple(sorted(sets, key=lambda kept: kept.start))
+
+
+def _set_radii(radii: Floats, at: slice | NDArray[np.int64], shape: Shape, columns: dict[str, Any]) -> None:
+    """Write the radii (a, b, c) that a shape has into rows of (n, 3)."""
     if "radii" in columns:
-        radii[:, : shape.radii] = columns["radii"]
+        for axis in range(shape.radii):
+            radii[at, axis] = columns["radii"][:, axis]
     elif "radius" in columns:
-        radii[:, _axes_of_radius(shape)] = columns["radius"][:, None]
-    return radii
+        for axis in _axes_of_radius(shape):
+            radii[at, axis] = columns["radius"]
 
 
 def _axes_of_radius(shape: Shape) -> list[int]:
@@ -65,14 +93,19 @@ def _axes_of_radius(shape: Shape) -> list[int]:
     return [axis for axis, square in enumerate(shape.squares) if square and (axis < 2 or shape.radii != 2)]
 
 
-def _placements(columns: dict[str, Any], n: int) -> Floats:
-    """(n, 3, 4) world_from_object."""
+def _set_placements(placements: Floats, at: slice | NDArray[np.int64], columns: dict[str, Any]) -> None:
+    """Write world_from_object into rows of (n, 3, 4)."""
     if "transform" in columns:
-        return np.asarray(columns["transform"])[:, :3]
-    placements = np.zeros((n, 3, 4))
-    placements[:, :, :3] = rotation_matrices(columns["rotation"]) if "rotation" in columns else np.eye(3)
-    placements[:, :, 3] = columns.get("center", 0.0)
-    return placements
+        placements[at] = columns["transform"][:, :3]
+        return
+    placed = placements[at]  # a copy where `at` has gaps
+    center, rotation = columns.get("center"), columns.get("rotation")
+    for start in range(0, len(placed), _BLOCK):
+        block = slice(start, start + _BLOCK)
+        placed[block, :, :3] = np.eye(3) if rotation is None else rotation_matrices(rotation[block])
+        placed[block, :, 3] = 0.0 if center is None else center[block]
+    if not isinstance(at, slice):
+        placements[at] = placed
 
 
 def rotation_matrices(quaternions: Floats) -> Floats:
@@ -83,8 +116,7 @@ def rotation_matrices(quaternions: Floats) -> Floats:
     overflows or is lost; products are divided by its squared length, so that no square root is needed and turns by
     multiples of 90 degrees come out exact.
     """
-    largest = np.abs(quaternions).max(axis=1, keepdims=True)
-    x, y, z, w = np.ldexp(quaternions, -np.frexp(largest)[1]).T
+    x, y, z, w = _scaled(quaternions)
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
     xy, xz, yz, xw, yw, zw = x * y, x * z, y * z, x * w, y * w, z * w
     length2 = (xx + yy) + (zz + ww)
@@ -94,6 +126,16 @@ def rotation_matrices(quaternions: Floats) -> Floats:
         [2 * (xz - yw) / length2, 2 * (yz + xw) / length2, ((zz + ww) - (xx + yy)) / ((zz + ww) + (xx + yy))],
     ]
     return np.array(rows).transpose(2, 0, 1) + 0.0
+
+
+def _scaled(quaternions: Floats) -> Floats:
+    """(4, n) components times the power of two that brings the largest into [1/2, 1)."""
+    components: Floats = np.ascontiguousarray(quaternions.T)
+    exponent = np.frexp(np.abs(components).max(axis=0))[1]
+    # In two factors, because 2^1074, which the smallest numbers need, is none.
+    first = np.minimum(-exponent, 1023)
+    components = components * np.ldexp(1.0, first)
+    return components if (first == -exponent).all() else components * np.ldexp(1.0, -exponent - first)
 
 
 def _matrices(groups: list[Group], n: int) -> tuple[Floats, NDArray[np.int32]]:
@@ -119,8 +161,8 @@ def _clips(groups: list[Group], n: int) -> tuple[Floats, NDArray[np.int32]]:
     for index, clip in given:
         counts[index] = clip.counts
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    if not given:
-        return np.zeros((0, 4)), start
+    if len(given) < 2:  # already in order
+        return next((clip.rows for _, clip in given), np.zeros((0, 4))), start
     owners = np.concatenate([np.repeat(index, clip.counts) for index, clip in given])
     rows = np.concatenate([clip.rows for _, clip in given])
     return rows[np.argsort(owners, kind="stable")], start

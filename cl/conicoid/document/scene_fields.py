@@ -1,10 +1,11 @@
 """The keys of the document as a whole and of its output."""
 
+from dataclasses import replace
 from typing import Final, get_args
 
 from conicoid import scene
 from conicoid.document.camera_fields import CAMERA
-from conicoid.document.kinds import Flag, Word, Words
+from conicoid.document.kinds import Flag, Text, Word, Words
 from conicoid.document.numeric import Numbers, NumbersOrInfinity
 from conicoid.document.quadric_fields import QUADRICS
 from conicoid.document.records import Field, Record
@@ -38,16 +39,29 @@ OUTPUT: Final = Record(
         "half_normals": Field(Flag(), "whether N is rounded to half", False),
     },
 )
+_VERSION = Field(
+    Numbers("1", whole=True, least=1, most=2**53, rules=(VERSION,)), "1, the version of the document format"
+)
 SCENE: Final = Record(
     noun="a scene document",
     fields={
-        "conicoid": Field(
-            Numbers("1", whole=True, least=1, most=2**53, rules=(VERSION,)), "1, the version of the document format"
-        ),
+        "conicoid": _VERSION,
         "quadrics": Field(QUADRICS, "the list of quadrics"),
+        "scene": Field(Text(), "the id of quadrics that the service keeps, in place of quadrics"),
         "camera": Field(CAMERA, "the camera"),
         "output": Field(OUTPUT, "what is written, and how", {}),
     },
-    required=("conicoid", "quadrics", "camera"),
-    reserved={"cameras": "a batch of cameras", "scene": "a stored scene"},
+    required=("conicoid", "camera"),
+    choices=(("quadrics",), ("scene",)),
+    usual="quadrics",
+    reserved={"cameras": "a batch of cameras"},
+)
+# What is sent to be kept: a scene document, of which only the quadrics count.
+KEPT: Final = replace(
+    SCENE,
+    noun="a document of quadrics to keep",
+    fields={key: field for key, field in SCENE.fields.items() if key != "scene"},
+    required=("conicoid", "quadrics"),
+    choices=(),
+    usual="",
 )

@@ -1,9 +1,9 @@
 """Objects of several variants, told apart by the word at one key: quadrics by shape, cameras by projection."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from conicoid.document.json_text import RepeatedKeys
 from conicoid.document.kinds import Word
 from conicoid.document.problems import Problems, key_place, unlike
 from conicoid.document.records import Record, explain_repeated
+from conicoid.document.sets import Spread, places_within, wrong
+
+_COUNT: Final = "count"
 
 
 @dataclass(frozen=True)
@@ -20,13 +23,33 @@ class Group:
 
     Attributes:
         variant: the word that tells them apart.
-        index: (n,) int64, ascending positions in the document's list.
+        index: (n,) int64, ascending positions in the document's list, every set counting as its elements.
         columns: key to the column of its n values; see the field's kind for the column's type and shape.
+        counts: (n,) int64, the elements of each object where they are sets, whose columns are `Spread`; else None.
     """
 
     variant: str
     index: NDArray[np.int64]
     columns: dict[str, Any]
+    counts: NDArray[np.int64] | None = None
+
+    def __len__(self) -> int:
+        """Objects, the elements of sets counted one by one."""
+        return len(self.index) if self.counts is None else int(self.counts.sum())
+
+    def expanded(self) -> "Group":
+        """The group with every element of its sets as an object of its own; `name` is left out."""
+        if self.counts is None:
+            return self
+        spread = {key: column for key, column in self.columns.items() if isinstance(column, Spread) and key != "name"}
+        columns = {key: column.expanded(self.counts) for key, column in spread.items()}
+        if "id" in columns:  # one integer is the first of consecutive ids
+            places = places_within(self.counts)
+            columns["id"] = columns["id"] + np.where(np.repeat(spread["id"].shared, self.counts), places, 0)
+        starts = np.cumsum(self.counts) - self.counts
+        index = np.repeat(self.index - starts, self.counts)
+        index += np.arange(len(index))
+        return Group(self.variant, index, columns)
 
 
 @dataclass(frozen=True)
@@ -38,15 +61,17 @@ class Variants:
         tag: the key whose word names the record.
         records: the record of each word.
         default: the word where the tag is missing; None if it must be there.
+        sets: the record of each word for objects with `count`, which stand for many; empty if there are none.
     """
 
     noun: str
     tag: str
     records: Mapping[str, Record]
     default: str | None = None
+    sets: Mapping[str, Record] = field(default_factory=dict)
 
     def column(self, values: list[Any]) -> list[Group] | None:
-        """The objects in groups, the group of the first object first."""
+        """The objects in groups; sets that refer to arrays are groups of one."""
         if not set(map(type, values)) <= {dict}:
             return None
         words = [value.get(self.tag, self.default) for value in values]
@@ -55,11 +80,19 @@ class Variants:
         groups = []
         for index in _same(words, values):
             variant = words[index[0]]
-            columns = self.records[variant].columns([values[i] for i in index.tolist()])
-            if columns is None:
-                return None
-            groups.append(Group(variant, index, columns))
-        return groups
+            first = values[index[0]]
+            for part in _referring_apart(index, values) if self._is_set(first) else [index]:
+                columns = self._record(variant, first).columns([values[i] for i in part.tolist()])
+                if columns is None:
+                    return None
+                groups.append(Group(variant, part, columns, columns.pop(_COUNT, None)))
+        return _counted(groups, len(values))
+
+    def _is_set(self, value: dict[str, Any]) -> bool:
+        return bool(self.sets) and _COUNT in value
+
+    def _record(self, word: str, value: dict[str, Any]) -> Record:
+        return (self.sets if self._is_set(value) else self.records)[word]
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Not an object, no word or a wrong one, or what its record finds."""
@@ -74,25 +107,26 @@ class Variants:
         elif known.column([word]) is None:
             known.explain(word, key_place(place, self.tag), problems)
         else:
-            self.records[word].explain(value, place, problems)
+            self._record(word, value).explain(value, place, problems)
             return
         if isinstance(value, RepeatedKeys):
             explain_repeated(value, place, problems)
 
     def schema(self) -> dict[str, Any]:
         """One schema per record, of which exactly one holds."""
-        return {"oneOf": [self._variant_schema(word) for word in self.records]}
+        singles = [self._variant_schema(word, record) for word, record in self.records.items()]
+        sets = [self._variant_schema(word, record, _COUNT) for word, record in self.sets.items()]
+        return {"oneOf": singles + sets}
 
-    def _variant_schema(self, word: str) -> dict[str, Any]:
-        record = self.records[word]
+    def _variant_schema(self, word: str, record: Record, *needed: str) -> dict[str, Any]:
         schema = record.schema()
-        schema["title"] = word.replace("_", " ")
+        schema["title"] = " of ".join(["set"] * len(needed) + [word.replace("_", " ")])
         about = schema["properties"][self.tag]["description"]
         schema["properties"][self.tag] = {"const": word, "description": about}
         if word == self.default:
             schema["properties"][self.tag]["default"] = word
         else:
-            schema["required"] = [self.tag, *(key for key in record.required if key != self.tag)]
+            schema["required"] = [self.tag, *needed, *(key for key in record.required if key != self.tag)]
         return schema
 
 
@@ -109,6 +143,25 @@ def _same(words: list[str], objects: list[dict[str, Any]]) -> list[NDArray[np.in
     labels = relabelled[labels]
     order = np.argsort(labels, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1) if len(order) else []
+
+
+def _referring_apart(index: NDArray[np.int64], sets: list[dict[str, Any]]) -> list[NDArray[np.int64]]:
+    """Positions of sets in parts: each that refers to an array alone, the others together."""
+    refers = np.array([any(isinstance(value, np.ndarray) for value in sets[i].values()) for i in index.tolist()])
+    together = [index[~refers]] if not refers.all() else []
+    return [*together, *index[refers][:, None]]
+
+
+def _counted(groups: list[Group], n: int) -> list[Group]:
+    """The groups of n objects with every set counting as its elements in their positions."""
+    if all(group.counts is None for group in groups):
+        return groups
+    sizes = np.ones(n, np.int64)
+    for group in groups:
+        if group.counts is not None:
+            sizes[group.index] = group.counts
+    starts = np.cumsum(sizes) - sizes
+    return [replace(group, index=starts[group.index]) for group in groups]
 
 
 @dataclass(frozen=True)
@@ -128,23 +181,9 @@ class ListOf:
             message = f"{unlike(value, 'a list')}; give a list of {self.item.noun}s"
             problems.add(place, message, "scene-type")
             return
-        for i in _wrong(self.item, value):
+        for i in wrong(self.item.column, value):
             self.item.explain(value[i], f"{place}[{i}]", problems)
 
     def schema(self) -> dict[str, Any]:
         """An array of objects."""
         return {"type": "array", "items": self.item.schema()}
-
-
-def _wrong(item: Variants, objects: list[Any]) -> Iterator[int]:
-    """Positions of the objects that are wrong, ascending, by bisection."""
-    pending = [range(len(objects))]
-    while pending:
-        part = pending.pop()
-        if item.column(objects[part.start : part.stop]) is not None:
-            continue
-        if len(part) == 1:
-            yield part.start
-        else:
-            middle = len(part) // 2
-            pending += [part[middle:], part[:middle]]

@@ -4,12 +4,13 @@ import argparse
 
 from conicoid_client import files
 from conicoid_client.command.connect import connect
+from conicoid_client.command.scene import read_scene
 
 
 def run(options: argparse.Namespace) -> None:
     """Read, ask, print."""
     files.check_writable(files.STANDARD)
-    scene = files.read(options.scene)
+    scene, arrays = read_scene(options)
     with connect(options) as client:
-        canonical = client.canonical(scene)
+        canonical = client.canonical(scene, arrays=arrays)
     files.write(files.STANDARD, canonical)

@@ -69,6 +69,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
+    def add_scene(command: argparse.ArgumentParser) -> None:
+        command.add_argument("scene", metavar="SCENE.json")
+        command.add_argument("--arrays", metavar="FILE.npz", help='the arrays that the scene names as "@name"')
+
     def command(name: str, summary: str) -> argparse.ArgumentParser:
         return commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
 
@@ -77,7 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     serve.add_argument("--port", default=8000, type=_port, help="port to listen on, 0 for any (default: %(default)s)")
 
     render = command("render", "render a scene to an OpenEXR file")
-    render.add_argument("scene", metavar="SCENE.json")
+    add_scene(render)
     render.add_argument("-o", "--output", required=True, metavar="OUT.exr")
     render.add_argument("--preview", metavar="OUT.png", help="also write a picture: depth beside normals")
     render.add_argument("--precision", choices=_PRECISIONS, help="in place of the scene's own")
@@ -85,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("-v", "--verbose", action="store_true", help="say what was written and how long it took")
 
     verify = command("verify", "check a rendering of a scene against exact arithmetic, pixel by pixel")
-    verify.add_argument("scene", metavar="SCENE.json")
+    add_scene(verify)
     amount = verify.add_mutually_exclusive_group()
     amount.add_argument("--every-pixel", action="store_true", help="check all pixels, about a thousand a second")
     amount.add_argument(
@@ -97,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
     verify.add_argument("--json", action="store_true", help="as JSON")
 
     canonical = command("canonical", "print a scene with everything resolved and every default filled in")
-    canonical.add_argument("scene", metavar="SCENE.json")
+    add_scene(canonical)
     canonical.add_argument("--server", metavar="URL", help=_SERVER)
 
     preview = command("preview", "make a picture of an OpenEXR file: depth beside normals")

@@ -9,6 +9,7 @@ from conicoid_client.client import Rendering
 from conicoid_client.command.connect import connect
 from conicoid_client.command.progress import progress
 from conicoid_client.command.report import UsageError
+from conicoid_client.command.scene import read_scene
 
 
 def run(options: argparse.Namespace) -> None:
@@ -17,10 +18,10 @@ def run(options: argparse.Namespace) -> None:
         raise UsageError(f"-o and --preview both name {options.output}; give the picture another name")
     for target in filter(None, (options.output, options.preview)):
         files.check_writable(target)
-    scene = files.read(options.scene)
+    scene, arrays = read_scene(options)
     begin = time.perf_counter()
     with progress(f"rendering {_name(options.scene)}"), connect(options) as client:
-        rendering = client.render(scene, precision=options.precision)
+        rendering = client.render(scene, arrays=arrays, precision=options.precision)
     seconds = time.perf_counter() - begin
     files.write(options.output, rendering.exr)
     written = [(options.output, rendering.exr)]

@@ -10,6 +10,7 @@ from conicoid_client import files
 from conicoid_client.command.connect import connect
 from conicoid_client.command.progress import progress
 from conicoid_client.command.report import Failure
+from conicoid_client.command.scene import read_scene
 
 if TYPE_CHECKING:
     from conicoid.verify import Verdict
@@ -34,11 +35,11 @@ class Facts:
 def run(options: argparse.Namespace) -> None:
     """Render, check, print; a pixel that differs is a failure."""
     files.check_writable(files.STANDARD)
-    body = files.read(options.scene)
+    body, arrays = read_scene(options)
     name = "standard input" if options.scene == files.STANDARD else options.scene
     begin = time.perf_counter()
     with progress(f"rendering {name}"), connect(options) as client:
-        document = _whole_image(client.canonical(body), options.precision)
+        document = _whole_image(client.canonical(body, arrays=arrays), options.precision)
         rendering = client.render(document)
     rendered = time.perf_counter()
 
