@@ -88,7 +88,7 @@ class Renderer:
 
 
 def _warm_up_scene(precision: Precision) -> Scene:
-    """A sphere twice, once clipped, in one tile: launches every kernel once."""
+    """A sphere twice, once clipped, whose normals lie half a step from the next: launches every kernel once."""
     quadrics = Quadrics(
         shape=np.zeros(2, dtype=np.uint8), radii=np.ones((2, 3)), matrix_row=np.full(2, -1, dtype=np.int32),
         matrix=np.empty((0, 4, 4)), world_from_object=np.tile(np.eye(3, 4), (2, 1, 1)),
@@ -97,7 +97,7 @@ def _warm_up_scene(precision: Precision) -> Scene:
     )  # fmt: skip
     pose = np.eye(4)
     pose[2, 3] = 4
-    camera = Camera("pinhole", 16, 16, 16.0, 16.0, 8.0, 8.0, pose, 0.0, np.inf, (0, 0, 16, 16))
+    camera = Camera("orthographic", 64, 64, 32.0, 32.0, 31.5 - 2.0**-19, 32.0, pose, 0.0, np.inf, (0, 0, 64, 64))
     return Scene(quadrics, camera, Output(channels=("Z", "N"), precision=precision))
 
 
