@@ -22,7 +22,7 @@ class Result:
         pixels: distinct pixels that the reference answered; hits: those that hit.
         rendered: pixels judged, one for each of `frames` renderings.
         wrong: pixels by broken promise, over all renderings.
-        settled: pixels of the first rendering that the host decided, of `size` in all.
+        refined, settled: pixels of the first rendering that double-double rounded and the host decided, of `size`.
         normal, position: worst errors, in 2^-23 and in units of the largest component.
         places: the first few pixels that are wrong.
     """
@@ -34,6 +34,7 @@ class Result:
     hits: int
     frames: int
     wrong: dict[str, int]
+    refined: int
     settled: int
     size: int
     normal: float
@@ -53,7 +54,7 @@ def check(job: Job, renderer: Renderer) -> Result:
     wrong: dict[str, int] = {}
     places: list[tuple[int, int]] = []
     rows, columns = np.empty(0, int), np.empty(0, int)
-    settled = size = 0
+    refined = settled = size = 0
     normal = position = 0.0
     for turn, channels in enumerate(channel_sets):
         frame = renderer.render(replace(scene, output=replace(output, channels=channels)))
@@ -61,7 +62,7 @@ def check(job: Job, renderer: Renderer) -> Result:
             rows, columns = chosen(job, frame)
             x0, y0 = frame.window[:2]
             truth = reference.pixels([(x0 + int(x), y0 + int(y)) for x, y in zip(columns, rows, strict=True)])
-            settled, size = frame.settled, next(iter(frame.planes.values())).size
+            refined, settled, size = frame.refined, frame.settled, next(iter(frame.planes.values())).size
         planes = {name: plane[rows, columns] for name, plane in frame.planes.items()}
         for promise, pixels in broken(planes, truth).items():
             wrong[promise] = wrong.get(promise, 0) + int(pixels.sum())
@@ -71,7 +72,7 @@ def check(job: Job, renderer: Renderer) -> Result:
         if "P.X" in planes:
             position = max(position, float(position_error(planes, truth).max()))
     counts = len(rows), int(truth.hit.sum()), len(channel_sets)
-    return Result(job.group, job.name, job.seed, *counts, wrong, settled, size, normal, position, places[:5])
+    return Result(job.group, job.name, job.seed, *counts, wrong, refined, settled, size, normal, position, places[:5])
 
 
 def chosen(job: Job, frame: Frame) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -13,14 +13,15 @@ DEPTHS = ("Z", "T", "ZBack")
 HEAD = """# Stress report
 
 Written by `make stress`; do not edit. Each scene is rendered in `exact` and compared with `tests/oracle`, which decides
-every pixel in integers and shares no code with the engine: mask and id, Z, T and ZBack to the last bit, N within 2⁻²³,
-P within one unit of its largest component, no −0. Scenes that ask for ZBack are rendered twice, with it and without,
+every pixel in integers and shares no code with the engine: mask and id, Z, T and ZBack to the last bit, N and P rounded
+to their steps (2⁻²³, and the unit in the last place of the largest component), no −0. Scenes that ask for ZBack are rendered twice, with it and without,
 because closed surfaces then take another path through the kernels, and once more with ids alone, where no doubt about
 a depth helps. Half of a sample lies beside edges.
 """
 COLUMNS = """Columns: pixels and hits that the oracle answered; wrong masks or ids; misrounded Z, T or ZBack; N and P
 beyond the promise; negative zeros, each counted over all renderings of a scene; worst N in units of 2⁻²³, worst P in
-units of float32 of its largest component; pixels of the image that binary64 left to exact integers.
+units of float32 of its largest component; pixels of the first rendering's image that binary64 left open and
+double-double rounded, and that exact integers decided.
 """
 
 
@@ -74,18 +75,23 @@ def label(result: Result) -> str:
 
 
 def table(rows: list[tuple[str, list[Result]]], heading: str) -> list[str]:
-    lines = [f"| {heading} | pixels | hits | wrong | misrounded | N | P | −0 | worst N | worst P | host |",
-             "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
+    lines = [f"| {heading} | pixels | hits | wrong | misrounded | N | P | −0 | worst N | worst P | dd | host |",
+             "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
     for name, members in rows:
         depth = sum(wrong(members, channel) for channel in DEPTHS)
         normal, position = max(m.normal for m in members), max(m.position for m in members)
-        share = total(members, "settled") / total(members, "size")
+        escalated = " | ".join(share_of(members, stage) for stage in ("refined", "settled"))
         broken = " | ".join(str(wrong(members, promise)) for promise in ("N", "P", "zero"))
         lines.append(
             f"| {name} | {total(members, 'pixels'):,} | {total(members, 'hits'):,} | {wrong(members, 'hit')} | {depth} "
-            f"| {broken} | {normal:.2f} | {position:.2f} | {total(members, 'settled'):,} ({100 * share:.2g} %) |"
+            f"| {broken} | {normal:.2f} | {position:.2f} | {escalated} |"
         )
     return lines
+
+
+def share_of(members: list[Result], stage: str) -> str:
+    count = total(members, stage)
+    return f"{count:,} ({100 * count / total(members, 'size'):.2g} %)"
 
 
 def total(results: Iterable[Result], field: str) -> int:
