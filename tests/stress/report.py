@@ -14,9 +14,9 @@ HEAD = """# Stress report
 
 Written by `make stress`; do not edit. Each scene is rendered in `exact` and compared with `tests/oracle`, which decides
 every pixel in integers and shares no code with the engine: mask and id, Z, T and ZBack to the last bit, N and P rounded
-to their steps (2⁻²³, and the unit in the last place of the largest component), no −0. Scenes that ask for ZBack are rendered twice, with it and without,
-because closed surfaces then take another path through the kernels, and once more with ids alone, where no doubt about
-a depth helps. Half of a sample lies beside edges.
+to their steps (2⁻²³, and the unit in the last place of the largest component), no −0. Scenes that ask for ZBack are
+rendered twice, with it and without, because closed surfaces then take another path through the kernels, and once more
+with ids alone, where no doubt about a depth helps. Half of a sample lies beside edges.
 """
 COLUMNS = """Columns: pixels and hits that the oracle answered; wrong masks or ids; misrounded Z, T or ZBack; N and P
 beyond the promise; negative zeros, each counted over all renderings of a scene; worst N in units of 2⁻²³, worst P in
