@@ -100,6 +100,7 @@ class Visible:
             known. Surfaces of one place are the same set of points, and tie where both are hit.
         planes: what is known of places, of PLANE.
         unit: power of two near the scene's depth; records hold t / unit.
+        accurate: how many closed surfaces double-double set up, because binary64 could not bound them well enough.
     """
 
     quadric: NDArray[np.int32]
@@ -112,6 +113,7 @@ class Visible:
     place: NDArray[np.int32]
     planes: NDArray[Any]
     unit: float
+    accurate: int
 
 
 class Setup:
@@ -153,6 +155,7 @@ class Setup:
         general = queue.kept("general", len(general_slots), GENERAL)
         clips = np.empty(len(quadrics.clip), dtype=CLIP)
         orthographic = np.int32(view.orthographic)
+        again = np.empty(0, dtype=np.int32)
         if len(rows):
             open_rows = queue.kept("open_rows", len(rows), np.uint8)
             axis = np.hypot.reduce(view.image_rows, axis=1) * [1, 1, 1 / unit if view.orthographic else 1]
@@ -178,7 +181,8 @@ class Setup:
             queue.run(self._clips, -(-len(quadrics.clip) // 4), np.int32(len(quadrics.clip)),
                       queue.read_only(quadrics.clip), rays, np.float64(unit), queue.in_place(clips))  # fmt: skip
         place, planes = np.full((len(seen), 4), -1, dtype=np.int32), np.empty(0, dtype=PLANE)
-        return Visible(seen, box.take(seen, axis=0), nearest, record, slots, general, clips, place, planes, unit)
+        return Visible(seen, box.take(seen, axis=0), nearest, record, slots, general, clips, place, planes, unit,
+                       len(again))  # fmt: skip
 
     def _bounds(
         self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
