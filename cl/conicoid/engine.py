@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from conicoid.bins import Binning
 from conicoid.cast import Caster
 from conicoid.device import describe, find_device
-from conicoid.extent import clear_of_planes
+from conicoid.extent import Model, model_of
 from conicoid.memory import Queue
 from conicoid.probe import check_arithmetic
 from conicoid.refine import Refinement
@@ -59,6 +59,9 @@ class Renderer:
         self.device = describe(queue.device)
         self._setup, self._binning, self._caster = Setup(queue), Binning(queue), Caster(queue)
         self._refinement = Refinement(queue)
+        # Of the last frame: the next often shows the same quadrics from elsewhere.
+        self._given: Quadrics | None = None
+        self._model: Model
         # PoCL compiles a kernel for its launch shape at the first launch: not at the user's.
         for precision in ("exact", "float64", "float32"):
             self.render(_warm_up_scene(precision))
@@ -66,9 +69,11 @@ class Renderer:
     def render(self, scene: Scene) -> Frame:
         """Cast every pixel of the crop."""
         start = time.perf_counter()
-        scene = replace(scene, quadrics=replace(scene.quadrics, z_range=clear_of_planes(scene.quadrics)))
+        if scene.quadrics is not self._given:
+            self._given, self._model = scene.quadrics, model_of(scene.quadrics)
+        scene = replace(scene, quadrics=self._model.quadrics)
         view = view_of(scene.camera, scene.output)
-        visible = self._setup.run(scene.quadrics, scene.camera, view, want_back="ZBack" in scene.output.channels)
+        visible = self._setup.run(self._model, scene.camera, view, want_back="ZBack" in scene.output.channels)
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
 

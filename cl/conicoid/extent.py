@@ -1,6 +1,6 @@
 """Where each quadric can be in its own object space, and what kind of form it has; no camera involved."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Final
 
@@ -41,6 +41,25 @@ class Extent:
     half: Floats
     flags: NDArray[np.int32]
     whole: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Model:
+    """Quadrics and what follows from them whatever the camera.
+
+    Attributes:
+        quadrics: as given, but for ends of ranges that lie in planes (`clear_of_planes`).
+        extent: their bounds in object space.
+    """
+
+    quadrics: Quadrics
+    extent: Extent
+
+
+def model_of(quadrics: Quadrics) -> Model:
+    """Everything that cameras share."""
+    quadrics = replace(quadrics, z_range=clear_of_planes(quadrics))
+    return Model(quadrics, extent_of(quadrics))
 
 
 def extent_of(quadrics: Quadrics) -> Extent:

@@ -8,10 +8,10 @@ import numpy as np
 import pyopencl
 from numpy.typing import NDArray
 
-from conicoid.extent import extent_of
+from conicoid.extent import Model
 from conicoid.memory import Queue
 from conicoid.program import build
-from conicoid.scene import Camera, Floats, Quadrics
+from conicoid.scene import Camera, Floats
 from conicoid.shapes import SHAPES
 from conicoid.view import View
 
@@ -129,15 +129,15 @@ class Setup:
         self._general, self._clips = program.set_up_general, program.set_up_clips
         self._forms = queue.read_only(shape_forms())
 
-    def run(self, quadrics: Quadrics, camera: Camera, view: View, *, want_back: bool) -> Visible:
+    def run(self, model: Model, camera: Camera, view: View, *, want_back: bool) -> Visible:
         """Bounds every quadric, drops what cannot be seen, and sets up the rest.
 
         With `want_back` the farthest hit is asked too, which simple records do not have.
         """
-        queue = self._queue
+        queue, quadrics = self._queue, model.quadrics
         world = queue.read_only(quadrics.world_from_object)
         rays = queue.read_only(view.rays)
-        box, middle, nearest, path, flags = self._bounds(quadrics, camera, view, world, want_back)
+        box, middle, nearest, path = self._bounds(model, camera, view, world, want_back)
 
         seen = _in_depth_order(np.flatnonzero(path != _CULLED).astype(np.int32), nearest)
         # Of each slot and all behind it: casting stops by it.
@@ -172,7 +172,7 @@ class Setup:
             queue.run(self._general, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world, radii,
                       queue.read_only(quadrics.shape), self._forms, queue.read_only(quadrics.matrix_row),
                       queue.read_only(scaled(quadrics.matrix)), queue.read_only(quadrics.z_range),
-                      queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(flags),
+                      queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(model.extent.flags),
                       queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic,
                       queue.read_only(view.target), queue.in_place(general))  # fmt: skip
             slots["box"][general_slots], slots["nearest"][general_slots] = box[rows], nearest_key[general_slots]
@@ -185,10 +185,9 @@ class Setup:
                        len(again))  # fmt: skip
 
     def _bounds(
-        self, quadrics: Quadrics, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.uint8], NDArray[Any]]:
-        queue, count = self._queue, len(quadrics)
-        extent = extent_of(quadrics)
+        self, model: Model, camera: Camera, view: View, world: "pyopencl.Buffer", want_back: bool
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats, NDArray[np.uint8]]:
+        queue, count, extent = self._queue, len(model.quadrics), model.extent
         box = queue.kept("box", (count, 4), np.int32)
         middle = queue.kept("middle", (count, 2), np.int32)
         nearest = queue.kept("nearest", count, np.float64)
@@ -202,4 +201,4 @@ class Setup:
                       np.float64(camera.near), np.float64(camera.far), np.int32(want_back),
                       queue.in_place(box), queue.in_place(middle), queue.in_place(nearest),
                       queue.in_place(path))  # fmt: skip
-        return box, middle, nearest, path, extent.flags
+        return box, middle, nearest, path

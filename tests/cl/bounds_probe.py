@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from conicoid.cast import _FILES as CAST_FILES
 from conicoid.device import find_device
 from conicoid.exact import ExactForms, ExactScene, RationalPolynomial
+from conicoid.extent import Model, extent_of
 from conicoid.memory import Queue
 from conicoid.program import build
 from conicoid.scene import Scene
@@ -53,7 +54,9 @@ class BoundsProbe:
 
     def check(self, scene: Scene, per_quadric: int, seed: int, *, general: bool) -> None:
         """Compares every visible quadric at that many of the pixels of its box, with records of one kind."""
-        visible = self._setup.run(scene.quadrics, scene.camera, view_of(scene.camera, scene.output), want_back=general)
+        # The ends of ranges as they are: `exact` knows no others.
+        model = Model(scene.quadrics, extent_of(scene.quadrics))
+        visible = self._setup.run(model, scene.camera, view_of(scene.camera, scene.output), want_back=general)
         draw = np.random.default_rng(seed)
         exact = ExactScene(scene)
         for is_general in (False, True):

@@ -9,6 +9,7 @@ from dataclasses import replace
 import pytest
 
 from conicoid.engine import Renderer
+from conicoid.extent import model_of
 from conicoid.scene import Scene
 from conicoid.view import view_of
 from conicoid_bench.workloads import ellipsoids
@@ -42,13 +43,13 @@ def counting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Renderer]:
 def listed(renderer: Renderer, scene: Scene) -> int:
     """Entries of all tiles' lists."""
     view = view_of(scene.camera, scene.output)
-    visible = renderer._setup.run(scene.quadrics, scene.camera, view, want_back=False)
+    visible = renderer._setup.run(model_of(scene.quadrics), scene.camera, view, want_back=False)
     return len(renderer._binning.run(visible.box, scene.camera.crop).entries)
 
 
 def accurate(renderer: Renderer, scene: Scene) -> int:
     view = view_of(scene.camera, scene.output)
-    return renderer._setup.run(scene.quadrics, scene.camera, view, want_back=False).accurate
+    return renderer._setup.run(model_of(scene.quadrics), scene.camera, view, want_back=False).accurate
 
 
 @pytest.mark.parametrize(("name", "limit"), [("few and large", 9_000), ("many", 112_000), ("deep", 545_000)])
