@@ -10,6 +10,8 @@ from conicoid.memory import Queue
 from conicoid.program import build
 
 TILE: Final = 16
+# 512 MB; frames that need more are rendered in bands.
+MOST_ENTRIES: Final = 2**27
 _LEAST_PART: Final = 2048
 _MOST_PARTS: Final = 16
 
@@ -47,6 +49,13 @@ class Binning:
         self._queue = queue
         program = build(queue.context, ["records.h", "bins.cl"])
         self._count, self._fill = program.count_tiles, program.fill_tiles
+
+    def fits(self, box: NDArray[np.int32], crop: tuple[int, int, int, int]) -> bool:
+        """Whether the lists of all tiles together stay within `MOST_ENTRIES`; they may be some per cent shorter."""
+        if len(box) * -(-(crop[2] - crop[0]) // TILE + 1) * -(-(crop[3] - crop[1]) // TILE + 1) <= MOST_ENTRIES:
+            return True
+        across, down = ((box[:, k + 2] - box[:, k]) / np.float32(TILE) + 1 for k in (0, 1))
+        return float(across @ down) <= MOST_ENTRIES
 
     def run(self, box: NDArray[np.int32], crop: tuple[int, int, int, int]) -> Bins:
         """Lists the slots of every tile.

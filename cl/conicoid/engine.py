@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from conicoid.bins import Binning
+from conicoid.bins import TILE, Binning
 from conicoid.cast import Caster
 from conicoid.device import describe, find_device
 from conicoid.extent import Model, model_of
@@ -68,12 +68,25 @@ class Renderer:
 
     def render(self, scene: Scene) -> Frame:
         """Cast every pixel of the crop."""
-        start = time.perf_counter()
         if scene.quadrics is not self._given:
             self._given, self._model = scene.quadrics, model_of(scene.quadrics)
-        scene = replace(scene, quadrics=self._model.quadrics)
+        frame = self._full(replace(scene, quadrics=self._model.quadrics))
+        planes, window = frame.planes, frame.window
+        if scene.output.data_window == "tight":
+            planes, window = _tighten(planes, window)
+        planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}
+        return replace(frame, planes=planes, window=window)
+
+    def _full(self, scene: Scene) -> Frame:
+        """Every pixel of the crop, whatever the data window; in bands where lists would take too much memory."""
+        start = time.perf_counter()
         view = view_of(scene.camera, scene.output)
         visible = self._setup.run(self._model, scene.camera, view, want_back="ZBack" in scene.output.channels)
+        x0, y0, x1, y1 = scene.camera.crop
+        middle = -(-(y0 + y1) // (2 * TILE)) * TILE
+        if y0 < middle < y1 and not self._binning.fits(visible.box, scene.camera.crop):
+            upper = self._band(scene, (x0, y0, x1, middle))
+            return _stacked(upper, self._band(scene, (x0, middle, x1, y1)))
         bins = self._binning.run(visible.box, scene.camera.crop)
         cast_start = time.perf_counter()
 
@@ -84,12 +97,14 @@ class Renderer:
             return self._refinement.run(scene, view, visible, planes, doubts)
 
         planes, refined, settled = settle(scene, visible, bins, cast, refine)
-        window = scene.camera.crop
-        if scene.output.data_window == "tight":
-            planes, window = _tighten(planes, window)
-        planes = {name: plane for name, plane in planes.items() if name.split(".")[0] in scene.output.channels}
         end = time.perf_counter()
-        return Frame(planes, window, 1e3 * (cast_start - start), 1e3 * (end - cast_start), refined, settled)
+        times = 1e3 * (cast_start - start), 1e3 * (end - cast_start)
+        return Frame(planes, scene.camera.crop, *times, refined, settled)
+
+    def _band(self, scene: Scene, crop: tuple[int, int, int, int]) -> Frame:
+        """Part of the crop, in memory of its own."""
+        frame = self._full(replace(scene, camera=replace(scene.camera, crop=crop)))
+        return replace(frame, planes={name: plane.copy() for name, plane in frame.planes.items()})
 
 
 def _warm_up_scene(precision: Precision) -> Scene:
@@ -104,6 +119,18 @@ def _warm_up_scene(precision: Precision) -> Scene:
     pose[2, 3] = 4
     camera = Camera("orthographic", 64, 64, 32.0, 32.0, 31.5 - 2.0**-19, 32.0, pose, 0.0, np.inf, (0, 0, 64, 64))
     return Scene(quadrics, camera, Output(channels=("Z", "N"), precision=precision))
+
+
+def _stacked(upper: Frame, lower: Frame) -> Frame:
+    """Two frames, one below the other."""
+    return Frame(
+        {name: np.concatenate([plane, lower.planes[name]]) for name, plane in upper.planes.items()},
+        (*upper.window[:3], lower.window[3]),
+        upper.setup_ms + lower.setup_ms,
+        upper.cast_ms + lower.cast_ms,
+        upper.refined + lower.refined,
+        upper.settled + lower.settled,
+    )
 
 
 def _tighten(

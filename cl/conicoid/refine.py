@@ -14,8 +14,8 @@ from conicoid.view import View
 # `refined_pixel` in kernels/refine.cl.
 _PIXEL: Final = np.dtype(
     [
-        ("x", "i4"), ("y", "i4"), ("quadric", "i4"), ("kind", "i4"), ("certain", "i4"), ("z", "f4"), ("t", "f4"),
-        ("n", "f4", 3), ("p", "f4", 3),
+        ("depth", "f8"), ("x", "i4"), ("y", "i4"), ("quadric", "i4"), ("kind", "i4"), ("certain", "i4"), ("z", "f4"),
+        ("t", "f4"), ("n", "f4", 3), ("p", "f4", 3),
     ],
     align=True,
 )  # fmt: skip
@@ -42,7 +42,8 @@ class Refinement:
         if "ZBack" in output.channels or not len(doubts):
             return np.zeros(len(doubts), dtype=np.bool_)
         pixels = np.zeros(len(doubts), dtype=_PIXEL)
-        pixels["x"], pixels["y"] = doubts["x"], doubts["y"]
+        for field in ("depth", "x", "y"):
+            pixels[field] = doubts[field]
         pixels["quadric"], pixels["kind"] = visible.quadric[doubts["winner"] >> 2], doubts["winner"] & 3
         queue = self._queue
         queue.run(self._kernel, -(-len(pixels) // 4), np.int32(len(pixels)), queue.in_place(pixels),

@@ -96,3 +96,12 @@ for projection in PROJECTIONS:
           [form(0.5, 0.25, 0, 0.125, 0, 0.5, -0.25, 0, 1, 2),
            form(0.7, -0.3, 0.2, 0.6, 1.1, 0.4, -0.35, -0.45, -1.3, -2.9)],
           pinhole() if projection == "pinhole" else orthographic())  # fmt: skip
+
+
+@stress
+def b_vanishes_between_two_roots() -> tuple[list[Document], Document]:
+    """At one pixel b is exactly 0 and computed as less or more: which root is called which hangs by that sign."""
+    matrix = [[0.9375, 0.25, -0.375, 0.625], [0.25, -0.75, -0.625, 0.75], [-0.375, -0.625, -0.1875, 0.125],
+              [0.625, 0.75, 0.125, 0]]  # fmt: skip
+    camera = orthographic(width=48, height=36, fx=12, fy=12, cx=25.5, cy=19.5, crop=[6, 4, 22, 16])
+    return [{"shape": "quadric", "matrix": matrix}], camera

@@ -168,6 +168,8 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     // A cap's normal is one row of the map, a singular surface has none.
     // One whose components all vanish, or seem to, is in doubt.
     n.error = length > 0 ? n.error : (reals)(1);
+    // Nor is it clear which of the roots is meant where b may have either sign.
+    n.error = magnitude(b) >= g->b.error ? n.error : (reals)(1);
     n.error = (cap | ((g->flags & SINGULAR) ? (mask)(-1) : (mask)(0))) ? (reals)(0) : n.error;
     if (g->flags & SHEETS)
         n = sheet_normal_at(g, m, kind, outward, px, py, n);

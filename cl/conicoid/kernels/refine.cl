@@ -2,8 +2,9 @@
 
 // One pixel of the list: what is seen there, in and out of `refine_values`.
 typedef struct {
+    double depth;       // as casting found it
     int x, y;           // in the whole image
-    int quadric, kind;  // kind: a root or a cap, as in candidates.h
+    int quadric, kind;  // kind: a cap, or one of the roots, as in candidates.h
     int certain;        // whether every value below is rounded for certain
     float z, t, n[3], p[3];
 } refined_pixel;
@@ -12,7 +13,6 @@ typedef struct {
 #define WANT_N 8
 #define WANT_P 16
 
-#define ROOT_A 1
 #define CAP_LOW 2
 
 #define NORMAL_STEP 0x1p-23
@@ -98,15 +98,15 @@ void refine_values(int count, __global refined_pixel *pixels, __global const dou
         return;
     int quadric[4];
     int2 pixel[4];
-    long4 is_a, cap, low;
-    double4 u, v, height;
+    long4 cap, low;
+    double4 u, v, height, seen;
     for (int lane = 0; lane < 4; lane++) {
         __global const refined_pixel *p = pixels + min(first + lane, count - 1);
         quadric[lane] = p->quadric;
         pixel[lane] = (int2)(p->x, p->y);
         AT(u, lane) = p->x + 0.5;
         AT(v, lane) = p->y + 0.5;
-        ((__private long *)&is_a)[lane] = p->kind == ROOT_A ? -1 : 0;
+        AT(seen, lane) = p->depth / unit;
         ((__private long *)&cap)[lane] = p->kind >= CAP_LOW ? -1 : 0;
         ((__private long *)&low)[lane] = p->kind == CAP_LOW ? -1 : 0;
         double z = z_range[2 * p->quadric + (p->kind == CAP_LOW ? 0 : 1)];
@@ -157,8 +157,13 @@ void refine_values(int count, __global refined_pixel *pixels, __global const dou
         AT(third_radius.value.hi, lane) = radii[3 * quadric[lane] + 2];
     bounded level = bounded_quotient(exactly(height), third_radius);
     bounded below = bounded_sum(level, bounded_negative(x[2]));
-    bounded over = bounded_choice(cap, below, bounded_choice(is_a, q, c));
-    bounded t = bounded_quotient(over, bounded_choice(cap, y[2], bounded_choice(is_a, a, q)));
+    // Which root is which hangs by the sign of b, which here may be another than in casting: that nearer to what casting
+    // found, which is no farther from it than a quarter of the way to the other.
+    bounded t_a = bounded_quotient(q, a), t_c = bounded_quotient(c, q);
+    double4 off_a = fabs(t_a.value.hi - seen), off_c = fabs(t_c.value.hi - seen);
+    long4 is_a = ~(off_c <= off_a);
+    bounded t = bounded_choice(cap, bounded_quotient(below, y[2]), bounded_choice(is_a, t_a, t_c));
+    long4 told = cap | (4.0 * (is_a ? off_a : off_c) <= fabs(t_a.value.hi - t_c.value.hi));
 
     // The gradient in parameter space, and its slope along the ray.
     bounded gradient[3], slope = exactly((double4)(0.0));
@@ -215,7 +220,7 @@ void refine_values(int count, __global refined_pixel *pixels, __global const dou
 
     for (int lane = 0; lane < 4 && first + lane < count; lane++) {
         __global refined_pixel *p = pixels + first + lane;
-        int certain = f.in_range[lane];
+        int certain = f.in_range[lane] && ((__private const long *)&told)[lane] != 0;
         p->z = round_to_float(AT(depth.value.hi, lane), AT(depth.value.lo, lane), AT(depth.error, lane), &certain);
         if (channels & WANT_T)
             p->t = round_to_float(AT(distance.value.hi, lane), AT(distance.value.lo, lane), AT(distance.error, lane), &certain);
