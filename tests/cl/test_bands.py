@@ -9,7 +9,7 @@ from conicoid.scene import Scene
 from tests.scenes import CATALOGUE, as_scene
 
 # All are taller than a tile.
-NAMES = ("crowd", "crop", "tall_image", "tight_window", "tight_window_in_a_crop")
+NAMES = ("crowd", "crop", "tall_image", "tight_window")
 
 
 @pytest.mark.parametrize("name", NAMES)
