@@ -35,6 +35,14 @@ for ratio in (1e6, 1e9, 1e12):
           orthographic())  # fmt: skip
 
 
+for ratio in (1e4, 1e7, 1e10):
+    for projection, camera in (("pinhole", pinhole), ("orthographic", orthographic)):
+        enter(f"hair_1_to_{ratio:g}_before_a_wall_{projection}",
+              "far thinner than a pixel and aslant: its conic drowns in rounding, and no lane may hit it",
+              [{"shape": "ellipsoid", "radii": [0.9, 0.9 / ratio, 0.9 / ratio], "center": [0.01, 0.02, -4],
+                "rotation": [0, 0, 0.3, 1]}, {"shape": "plane", "center": [0, 0, -9]}], camera())  # fmt: skip
+
+
 @stress
 def nearly_singular() -> tuple[list[Document], Document]:
     """A transform whose third column is the sum of the others but for 2^-40."""

@@ -34,8 +34,6 @@ void set_up_quickly(int count, __global const int *list, __global const int *slo
         for (int k = 0; k < 3; k++)
             AT(r[k], lane) = radii[3 * q + k];
     }
-    double4 reach[LINEAR];
-    reach_of(quadric, m.centre, box, crop, reach);
 
     // diag(1/radii) M^-1 as adj(M) / (det(M) radii). With K = |M|^3 / |det M| at least the ratio of any two semi-axes of M,
     // entries of the adjugate are within 3u |M|^2, the determinant within 6u |M|^3, so the map within 12 K u of its norm.
@@ -117,17 +115,17 @@ void set_up_quickly(int count, __global const int *list, __global const int *slo
 
     double4 other_world[3] = {other[0].hi, other[1].hi, other[2].hi};
     double4 fixed_length = length3(fixed_world), other_length = length3(other_world);
-    double4 parts = reach[0] * length3(part[0]) + reach[1] * length3(part[1]);
-    double4 crosses = length3(cross[2]) + reach[0] * length3(cross[0]) + reach[1] * length3(cross[1]);
     double4 map_lost = (12.0 * K + 8.0) * UNIT_ROUNDOFF;
     double4 fixed_size = map_norm * fixed_length + (orthographic ? 0.0 : 1.0);
     // The cofactors are within (6K + 8)u; crosses of what moves within 6u of the factors, that of the middle within 2^-98.
-    m.l_lost = cofactor_norm * ((6.0 * K + 12.0) * UNIT_ROUNDOFF * crosses + 6.0 * UNIT_ROUNDOFF * fixed_length * parts +
-                                0x1p-98 * fixed_length * (other_length + lost_size)) +
-               map_lost * map_norm * (orthographic ? fixed_length : other_length + parts);
-    m.fv_lost[0] = 3.0 * map_lost * fixed_size * map_norm * length3(part[0]);
-    m.fv_lost[1] = 3.0 * map_lost * fixed_size * map_norm * length3(part[1]);
-    m.fv_lost[2] = 3.0 * map_lost * fixed_size * map_norm * other_length;
+    for (int k = 0; k < LINEAR; k++) {
+        double4 moving_length = k < 2 ? length3(part[k]) : other_length;
+        double4 crossed = k < 2 ? 6.0 * UNIT_ROUNDOFF * fixed_length * moving_length
+                                : 0x1p-98 * fixed_length * (other_length + lost_size);
+        m.l_lost[k] = cofactor_norm * ((6.0 * K + 12.0) * UNIT_ROUNDOFF * length3(cross[k]) + crossed);
+        m.l_lost[k] += map_lost * map_norm * (orthographic ? (k == 2 ? fixed_length : (double4)(0.0)) : moving_length);
+        m.fv_lost[k] = 3.0 * map_lost * fixed_size * map_norm * moving_length;
+    }
     m.ff_lost = 3.0 * map_lost * fixed_size * fixed_size;
     m.in_range = all_workable(determinant) & all_workable(volume) & all_workable(K);
     for (int k = 0; k < 9; k++)
@@ -136,7 +134,7 @@ void set_up_quickly(int count, __global const int *list, __global const int *slo
         m.in_range &= all_workable(r[k]) & all_workable(fixed_world[k]) & all_workable(other_world[k]);
     int lanes = min(4, count - first);
     bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
-    write_simple(&m, reach, quadric, slot_of, lanes, &frame, box, nearest, slots, open);
+    write_simple(&m, quadric, slot_of, lanes, &frame, box, nearest, slots, open);
     for (int lane = 0; lane < lanes; lane++)
         open_rows[first + lane] = open[lane];
 }

@@ -17,8 +17,6 @@ void set_up_simple(int count, __global const int *rows, __global const int *list
     }
     family f;
     family_of(quadric, m.centre, world_from_object, radii, rays, unit, orthographic, &f);
-    double4 reach[LINEAR];
-    reach_of(quadric, m.centre, box, crop, reach);
 
     m.ff = dd_sub(dd_dot3(f.fixed, f.fixed), dd_mul(f.fixed[3], f.fixed[3])).hi;
     const int first_of[6] = {0, 0, 1, 0, 1, 2}, second_of[6] = {1, 2, 2, 3, 3, 3};
@@ -29,12 +27,10 @@ void set_up_simple(int count, __global const int *rows, __global const int *list
     }
     // Every number of the family is within 2^-98 kappa of its size; six moments of two products each, sums of four.
     double4 lost = 0x1p-95 * f.kappa * f.fixed_norm;
-    m.l_lost = (double4)(0.0);
     m.ff_lost = lost * f.fixed_norm;
     for (int k = 0; k < LINEAR; k++) {
         m.fv[k] = dd_sub(dd_dot3(f.fixed, f.moving[k]), dd_mul(f.fixed[3], f.moving[k][3])).hi;
-        m.fv_lost[k] = lost * f.moving_norm[k];
-        m.l_lost += reach[k] * m.fv_lost[k];
+        m.l_lost[k] = m.fv_lost[k] = lost * f.moving_norm[k];
         for (int i = 0; i < 4; i++)
             m.moving[k][i] = f.moving[k][i].hi;
     }
@@ -43,5 +39,5 @@ void set_up_simple(int count, __global const int *rows, __global const int *list
         ((__private long *)&m.in_range)[i] = f.in_range[i] ? -1 : 0;
     }
     bounds_frame frame = {crop, orthographic, principal, {axis.x, axis.y, axis.z}};
-    write_simple(&m, reach, quadric, slot_of, min(4, count - first), &frame, box, nearest, slots, open);
+    write_simple(&m, quadric, slot_of, min(4, count - first), &frame, box, nearest, slots, open);
 }

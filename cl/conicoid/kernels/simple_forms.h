@@ -11,8 +11,8 @@ typedef struct {
     double4 fixed[4], moving[LINEAR][4];
     double4 l[6][LINEAR];       // L12 L13 L23 L14 L24 L34, Lij = Fi Vj - Fj Vi
     double4 ff, fv[LINEAR];     // F'DF, F'DV
-    // Lost: the length of all moments' errors at the farthest pixel of the box, of F'DV's coefficients, of F'DF.
-    double4 l_lost, fv_lost[LINEAR], ff_lost;
+    // Lost: lengths of the errors of all moments' coefficients, errors of those of F'DV, and of F'DF.
+    double4 l_lost[LINEAR], fv_lost[LINEAR], ff_lost;
     long4 in_range;
 } moments;
 
@@ -24,31 +24,55 @@ typedef struct {
     double axis[3];             // lengths of the gradients of u, v (times depth, about the principal point) and depth
 } bounds_frame;
 
-// The farthest pixel of each box from its centre, (|u|, |v|, 1). Casting looks at whole tiles. Beyond the box of a whole,
-// small ellipse, though, S falls faster than its error grows: at rho times the way from its middle to its rim S is
-// summit (1 - rho^2), the error at most (2 rho - 1)^2 times that of the box, and boxes leave a millionth to the rim.
-static inline int whole_ellipse(int4 box, int4 crop)
+// The farthest pixel of each box from its centre, (|u|, |v|, 1), a margin farther.
+static void reach_of(const int *quadric, const int2 *centre, __global const int4 *box, double4 margin, double4 *reach)
 {
-    return box.x > crop.x && box.y > crop.y && box.z < crop.z && box.w < crop.w &&
-           max(box.z - box.x, box.w - box.y) < 4 * TILE;
-}
-
-static void reach_of(const int *quadric, const int2 *centre, __global const int4 *box, int4 crop, double4 *reach)
-{
-    reach[2] = (double4)(1.0);
     for (int lane = 0; lane < 4; lane++) {
         int4 b = box[quadric[lane]];
-        int margin = whole_ellipse(b, crop) ? 0 : TILE;
-        AT(reach[0], lane) = max(abs(b.x - centre[lane].x), abs(b.z - centre[lane].x)) + margin;
-        AT(reach[1], lane) = max(abs(b.y - centre[lane].y), abs(b.w - centre[lane].y)) + margin;
+        AT(reach[0], lane) = max(abs(b.x - centre[lane].x), abs(b.z - centre[lane].x));
+        AT(reach[1], lane) = max(abs(b.y - centre[lane].y), abs(b.w - centre[lane].y));
     }
+    reach[0] += margin;
+    reach[1] += margin;
+    reach[2] = (double4)(1.0);
+}
+
+// Lanes whose boxes are small and inside the crop, so that they hold the whole ellipse.
+static long4 whole_ellipses(const int *quadric, __global const int4 *box, int4 crop)
+{
+    long4 whole;
+    for (int lane = 0; lane < 4; lane++) {
+        int4 b = box[quadric[lane]];
+        ((__private long *)&whole)[lane] = b.x > crop.x && b.y > crop.y && b.z < crop.z && b.w < crop.w &&
+                                           max(b.z - b.x, b.w - b.y) < 4 * TILE ? -1 : 0;
+    }
+    return whole;
+}
+
+// Sums of the magnitudes of the terms of S, expanded in the moments, are at most the square of this times F'DF.
+static double4 moment_norm(const moments *m, const double4 *reach)
+{
+    double4 norm = (double4)(0.0);
+    for (int p = 0; p < 6; p++) {
+        double4 moment = reach[0] * fabs(m->l[p][0]) + reach[1] * fabs(m->l[p][1]) + fabs(m->l[p][2]);
+        norm += moment * moment;
+    }
+    return sqrt(norm);
+}
+
+// The error of S at `reach`. Roundings that a term passes through at most: 14 in set-up (moments, sums, products by a
+// rounded 1/F'DF), 5 in evaluation, 1 in raising S.
+static double4 error_of_s(const moments *m, const double4 *reach, double4 l_norm, double4 per_size, double4 skew)
+{
+    double4 lost = (reach[0] * m->l_lost[0] + reach[1] * m->l_lost[1] + m->l_lost[2]) * per_size;
+    return (22.0 * UNIT_ROUNDOFF + 2.5 * skew) * l_norm * l_norm + (2.0 * l_norm + lost) * lost;
 }
 
 // Rounded up; what underflows is replaced by something larger.
 static inline float bound(double x) { return (float)x * 1.000001f + 0x1p-120f; }
 
 // Writes up to `lanes` records; open[lane] tells which of them deserve double-double.
-static void write_simple(const moments *m, const double4 *reach, const int *quadric, __global const int *slot_of, int lanes,
+static void write_simple(const moments *m, const int *quadric, __global const int *slot_of, int lanes,
                          const bounds_frame *frame, __global const int4 *box, __global const float *nearest,
                          __global slot_record *slots, int *open)
 {
@@ -76,15 +100,19 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
     // The conic's highest value, where it is an ellipse.
     double4 bend = 4.0 * s[0] * s[2] - s[1] * s[1];
     double4 summit = s[5] + (s[1] * s[3] * s[4] - s[2] * s[3] * s[3] - s[0] * s[4] * s[4]) / bend;
-    // Sums of the terms' magnitudes: expanded in the moments l, those of S at the farthest pixel add up to l_norm^2 at most,
-    // those of b's coefficients to b_norm.
-    double4 per_size = fabs(per_ff), skew = m->ff_lost * per_size;
-    double4 f_norm = (double4)(0.0), l_norm = f_norm, b_norm[LINEAR], b_lost[LINEAR], b_size = f_norm, b_error = f_norm;
-    for (int p = 0; p < 6; p++) {
-        double4 moment = reach[0] * fabs(m->l[p][0]) + reach[1] * fabs(m->l[p][1]) + fabs(m->l[p][2]);
-        l_norm += moment * moment;
-    }
-    l_norm = sqrt(l_norm) * per_size;
+    // Casting looks at whole tiles. Beyond the box of a whole, small ellipse, though, S falls faster than its error grows:
+    // at rho times the way from its middle to its rim S is summit (1 - rho^2), the error at most (2 rho - 1)^2 times that of
+    // the box, and boxes leave a millionth to the rim.
+    double4 per_size = fabs(per_ff), skew = m->ff_lost * per_size, reach[LINEAR];
+    reach_of(quadric, m->centre, box, (double4)(0.0), reach);
+    double4 l_norm = moment_norm(m, reach) * per_size, s_error = error_of_s(m, reach, l_norm, per_size, skew);
+    long4 ellipse = bend > 0x1p-18 * fabs(s[0] * s[2]);
+    long4 alone = whole_ellipses(quadric, box, frame->crop) & ellipse & (summit > 0x1p22 * s_error);
+    reach_of(quadric, m->centre, box, alone ? (double4)(0.0) : (double4)(TILE), reach);
+    l_norm = moment_norm(m, reach) * per_size;
+    s_error = error_of_s(m, reach, l_norm, per_size, skew);
+
+    double4 f_norm = (double4)(0.0), b_norm[LINEAR], b_lost[LINEAR], b_size = f_norm, b_error = f_norm;
     for (int i = 0; i < 4; i++)
         f_norm += m->fixed[i] * m->fixed[i];
     f_norm = sqrt(f_norm) * per_size;
@@ -97,11 +125,8 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
         b_size += reach[k] * b_norm[k];
         b_error += reach[k] * b_lost[k];
     }
-    double4 lost = m->l_lost * per_size;
-    // Roundings that a term passes through at most. S: 14 in set-up (moments, sums, products by a rounded 1/F'DF), 5 in
-    // evaluation, 1 in raising it. b: 4 and 3, and 2 in the key.
-    double4 s_error = 22.0 * UNIT_ROUNDOFF * l_norm * l_norm + (2.0 * l_norm + lost) * lost + 2.5 * skew * l_norm * l_norm;
-    double4 key_error = UNIT_ROUNDOFF * (10.0 * b_size + 4.0 * l_norm) + b_error;
+    // b: 4 roundings in set-up and 3 in evaluation; sqrt(S): 1; the key, its bar and the comparison with another: 4.
+    double4 key_error = UNIT_ROUNDOFF * (12.0 * b_size + 6.0 * l_norm) + b_error;
     // The gradient, sum_k axis_k (sqrt(S) b_k + S_k / 2) with the conic's partial derivatives S_k: those are sums of products
     // of moments with one coefficient left out, within s_error / reach_k, and 12 more roundings are in products and sums.
     double4 n_error = (double4)(0.0), root_norm = (double4)(0.0);
@@ -129,16 +154,15 @@ static void write_simple(const moments *m, const double4 *reach, const int *quad
             usable &= all_workable(m->l[p][k]);
     // An eye so near the surface that F'DF itself is in doubt.
     usable &= skew < 0x1p-20;
-    long4 ellipse = bend > 0.0, sharp = ellipse & (summit > 0x1p22 * s_error), sharper = ellipse & (summit > 0x1p32 * s_error);
+    long4 sharp = ellipse & (summit > 0x1p32 * s_error);
     for (int lane = 0; lane < lanes; lane++) {
         int slot = slot_of[quadric[lane]];
         int4 own_box = box[quadric[lane]];
         slot_record own __attribute__((aligned(32)));
         slot_record *r = &own;
-        // Out of range too is a rim that the errors blur by as much as a box leaves.
-        int in_range = IS(usable, lane) && (IS(sharp, lane) || !whole_ellipse(own_box, frame->crop));
+        int in_range = IS(usable, lane);
         // Many pixels deserve close bounds: each that they leave open costs as much as one quadric in double-double.
-        open[lane] = !in_range || !IS(sharper, lane) || (own_box.z - own_box.x) * (own_box.w - own_box.y) > 1024;
+        open[lane] = !in_range || !IS(sharp, lane) || (own_box.z - own_box.x) * (own_box.w - own_box.y) > 1024;
         for (int k = 0; k < QUADRATIC; k++)
             r->s[k] = AT(s[k], lane);
         for (int k = 0; k < LINEAR; k++)
