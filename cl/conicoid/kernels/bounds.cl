@@ -28,7 +28,7 @@ static inline double4 smaller(double4 a, double4 b) { return a < b ? a : b; }
 static inline double4 reach(const double4 *a, long4 ellipsoid)
 {
     double4 sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
-    return ellipsoid & (sum > 0x1p-450) & (sum < 0x1p450) ? smaller(sqrt(dot3(a, a)), sum) : sum;
+    return (ellipsoid & (sum > 0x1p-450) & (sum < 0x1p450)) ? smaller(sqrt(dot3(a, a)), sum) : sum;
 }
 
 // Pixel range of an ellipsoid wholly in front of a pinhole, about the middle pixel m: the projected dual conic's
@@ -154,7 +154,7 @@ void bound_quadrics(int count, __global const double *world_from_object, __globa
         // Pixel i is sampled at i + 0.5; a NaN leaves the whole crop.
         edge[k] = k < 2 ? ceil(edge[k] - 0.5) : floor(edge[k] - 0.5) + 1.0;
         double whole_crop = k == 0 ? crop.x : k == 1 ? crop.y : k == 2 ? crop.z : crop.w;
-        edge[k] = seen & (edge[k] == edge[k]) ? edge[k] : (double4)(whole_crop);
+        edge[k] = (seen & (edge[k] == edge[k])) ? edge[k] : (double4)(whole_crop);
     }
     for (int lane = 0; lane < 4 && first + lane < count; lane++) {
         int i = first + lane;
