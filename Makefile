@@ -4,10 +4,11 @@ PYTHON ?= python3
 ENGINE ?= $(firstword $(shell command -v podman docker))
 SETUP := .venv/.setup
 EMBREE := build/embree_ellipsoids
+INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree image test-embree test-package lock clean
+.PHONY: setup demo test check stress bench embree image test-embree test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -53,6 +54,16 @@ image:
 test-embree: $(SETUP) $(EMBREE)
 	.venv/bin/pytest tests/embree
 
+test-intel: $(SETUP) $(INTEL)/vendors/intel.icd
+	OCL_ICD_VENDORS=$(abspath $(INTEL)/vendors) .venv/bin/pytest tests/cl/test_same_everywhere.py -k Intel
+
+# Intel's OpenCL runtime in an environment of its own, and the file that shows it to the loader.
+$(INTEL)/vendors/intel.icd: requirements/intel.txt
+	$(PYTHON) -m venv $(INTEL)
+	$(INTEL)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
+	mkdir -p $(@D)
+	echo $(abspath $(INTEL)/lib/libintelocl.so) > $@
+
 test-package: $(SETUP)
 	.venv/bin/pytest tests/container
 
@@ -61,6 +72,7 @@ lock: $(SETUP)
 	$(COMPILE) pyproject.toml --constraints requirements/dev.txt --output-file requirements/run.txt
 	$(COMPILE) pyproject.toml --extra bench --constraints requirements/dev.txt --output-file requirements/bench.txt
 	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
+	$(COMPILE) --group intel --output-file requirements/intel.txt
 
 clean:
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist out
