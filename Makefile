@@ -8,7 +8,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree image test-embree test-intel test-package lock clean
+.PHONY: setup demo test check stress bench embree image test-embree test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -23,7 +23,7 @@ demo: $(SETUP)
 	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
-	.venv/bin/pytest --ignore=tests/container --ignore=tests/embree
+	.venv/bin/pytest --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
 
 check: $(SETUP)
 	.venv/bin/ruff format --check .
@@ -53,6 +53,10 @@ image:
 
 test-embree: $(SETUP) $(EMBREE)
 	.venv/bin/pytest tests/embree
+
+# Needs Debian's gappa.
+test-gappa: $(SETUP)
+	.venv/bin/pytest tests/gappa
 
 test-intel: $(SETUP) $(INTEL)/vendors/intel.icd
 	OCL_ICD_VENDORS=$(abspath $(INTEL)/vendors) .venv/bin/pytest tests/cl/test_same_everywhere.py -k Intel
