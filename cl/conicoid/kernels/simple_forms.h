@@ -128,7 +128,8 @@ static void write_simple(const moments *m, const int *quadric, __global const in
     // b: 4 roundings in set-up and 3 in evaluation; sqrt(S): 1; the key, its bar and the comparison with another: 4.
     double4 key_error = UNIT_ROUNDOFF * (12.0 * b_size + 6.0 * l_norm) + b_error;
     // The gradient, sum_k axis_k (sqrt(S) b_k + S_k / 2) with the conic's partial derivatives S_k: those are sums of products
-    // of moments with one coefficient left out, within s_error / reach_k, and 12 more roundings are in products and sums.
+    // of moments with one coefficient left out, within s_error / reach_k, and 12 more roundings are in products and sums;
+    // an axis in camera space is a product of two matrices, which counts as 7 (4, times the norm of a rotation's magnitudes).
     double4 n_error = (double4)(0.0), root_norm = (double4)(0.0);
     for (int k = 0; k < LINEAR; k++) {
         double4 axis = (double4)(frame->axis[k]);
@@ -136,7 +137,7 @@ static void write_simple(const moments *m, const int *quadric, __global const in
             AT(axis, lane) += frame->axis[2] * fabs(k == 0 ? frame->principal.x - m->centre[lane].x
                                                            : frame->principal.y - m->centre[lane].y);
         double4 of_root = fabs(b[k]) + b_lost[k];
-        double4 rounded = 20.0 * UNIT_ROUNDOFF * b_norm[k] + b_lost[k];
+        double4 rounded = 24.0 * UNIT_ROUNDOFF * b_norm[k] + b_lost[k];
         if (frame->orthographic && k == 2) {
             // The third is sqrt(S) alone.
             of_root = (double4)(1.0);
