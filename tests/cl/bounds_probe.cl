@@ -33,8 +33,9 @@ __kernel void evaluate_general(__global const int2 *pixel, __global const int *r
     }
 }
 
+// Then the key and the gradient, where the root is clear of its error, with infinite bounds elsewhere.
 __kernel void evaluate_simple(__global const int2 *pixel, __global const int *row, __global const slot_record *slots,
-                              __global double *out)
+                              __global const frame *f, __global double *out)
 {
     int i = get_global_id(0);
     int2 tile;
@@ -43,10 +44,21 @@ __kernel void evaluate_simple(__global const int2 *pixel, __global const int *ro
     middle_of(pixel[i], &tile, &x, &y);
     __global const slot_record *r = slots + row[i];
     double du = tile.x - r->centre[0], dv = tile.y - r->centre[1];
-    reals s = at_quadratic(local_quadratic(r->s, du, dv), x + LOCAL(du), y + LOCAL(dv));
+    quadratic form = local_quadratic(r->s, du, dv);
+    reals s = at_quadratic(form, x + LOCAL(du), y + LOCAL(dv));
+    form.one += r->s_error;
+    reals root = sqrt(at_quadratic(form, x + LOCAL(du), y + LOCAL(dv))), root_error = simple_root_error(r, root);
     reals b = at_linear(local_linear(r->b, du, dv), x + LOCAL(du), y + LOCAL(dv));
     out[ROW * i] = LANE(real, s, 0);
     out[ROW * i + 1] = r->s_error;
     out[ROW * i + 2] = LANE(real, b, 0);
     out[ROW * i + 3] = r->key_error;
+    mask unclear = unclear_root(r, root);
+    vector3 n = simple_gradient_at(f, r, root, root_error, x + LOCAL(du), y + LOCAL(dv));
+    out[ROW * i + 4] = LANE(real, b, 0) + LANE(real, root, 0);
+    out[ROW * i + 5] = LANE(integer, unclear, 0) ? INFINITY : r->key_error + LANE(real, root_error, 0);
+    out[ROW * i + 6] = LANE(real, n.x, 0);
+    out[ROW * i + 7] = LANE(real, n.y, 0);
+    out[ROW * i + 8] = LANE(real, n.z, 0);
+    out[ROW * i + 9] = LANE(integer, unclear, 0) ? INFINITY : LANE(real, n.error, 0);
 }

@@ -1,15 +1,18 @@
 """How far the kernels' polynomials are from exact, against the bounds that the kernels state."""
 
+import argparse
+import tempfile
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
-from flint import fmpq, fmpz
+from flint import arb, fmpq, fmpz
 from numpy.typing import NDArray
 
 from conicoid.cast import _FILES as CAST_FILES
+from conicoid.cast import _FRAME as FRAME
 from conicoid.device import find_device
 from conicoid.exact import ExactForms, ExactScene, RationalPolynomial
 from conicoid.extent import Model, extent_of
@@ -17,8 +20,9 @@ from conicoid.memory import Queue
 from conicoid.program import build
 from conicoid.scene import Scene
 from conicoid.setup import Setup, Visible
-from conicoid.view import view_of
+from conicoid.view import View, view_of
 from tests.cl.kernel_sources import Edit, edit_kernels
+from tests.cl.simple_reference import SimpleReference
 from tests.scenes import as_scene
 from tests.scenes.catalogue import PROJECTIONS, document
 from tests.scenes.stress_mix import Mix
@@ -27,7 +31,7 @@ from tests.stress.workload import balls, far_and_tiny
 LANES = 4
 ROW = 16
 GENERAL = ("S", "a", "b", "c", "range z0", "cap z0", "range z1", "cap z1")
-SIMPLE = ("simple S", "simple b")
+SIMPLE = ("simple S", "simple b", "simple key", "simple gradient")
 
 
 class BoundsProbe:
@@ -56,7 +60,9 @@ class BoundsProbe:
         """Compares every visible quadric at that many of the pixels of its box, with records of one kind."""
         # The ends of ranges as they are: `exact` knows no others.
         model = Model(scene.quadrics, extent_of(scene.quadrics))
-        visible = self._setup.run(model, scene.camera, view_of(scene.camera, scene.output), want_back=general)
+        view = view_of(scene.camera, scene.output)
+        visible = self._setup.run(model, scene.camera, view, want_back=general)
+        frame = _frame(view, visible)
         draw = np.random.default_rng(seed)
         exact = ExactScene(scene)
         for is_general in (False, True):
@@ -67,21 +73,29 @@ class BoundsProbe:
             box = visible.box[repeated]
             pixels = draw.integers(box[:, :2], box[:, 2:]).astype(np.int32)
             records = ~visible.record[repeated] if is_general else repeated.astype(np.int32)
-            values = self._evaluate(visible, pixels, records, general=is_general)
+            values = self._evaluate(visible, pixels, records, frame, general=is_general)
             for k, slot in enumerate(slots):
                 rows = slice(k * per_quadric, (k + 1) * per_quadric)
                 forms = _references(exact, scene, visible, int(slot), general=is_general)
                 self._compare(forms, pixels[rows], values[rows])
+                if not is_general:
+                    self._compare_hits(_simple_reference(forms, frame), pixels[rows], values[rows])
 
     def _evaluate(
-        self, visible: Visible, pixels: NDArray[np.int32], rows: NDArray[np.int32], *, general: bool
+        self,
+        visible: Visible,
+        pixels: NDArray[np.int32],
+        rows: NDArray[np.int32],
+        frame: NDArray[np.void],
+        *,
+        general: bool,
     ) -> NDArray[np.float64]:
         values = np.zeros((len(pixels), ROW))
         records = visible.general if general else visible.slots
         buffers = [self._queue.read_only(array) for array in (pixels, rows.astype(np.int32), records)]
-        clips = [self._queue.read_only(visible.clips)] if general else []
+        beside = self._queue.read_only(visible.clips if general else frame)
         kernel = self._general if general else self._simple
-        self._queue.run_grid(kernel, (len(pixels), 1), *buffers, *clips, self._queue.in_place(values))
+        self._queue.run_grid(kernel, (len(pixels), 1), *buffers, beside, self._queue.in_place(values))
         return values
 
     def _compare(
@@ -105,14 +119,27 @@ class BoundsProbe:
                 if not np.isfinite(bound):
                     continue
                 exact = doubled.at(fmpz(2 * x + 1), fmpz(2 * y + 1)) * over
-                error = abs(fmpq(*float(value).as_integer_ratio()) - exact)
-                allowed = fmpq(*float(bound).as_integer_ratio())
-                self.evaluations += 1
-                if error > allowed:
-                    self.beyond += 1
-                if error:
-                    ratio = error / allowed if allowed else fmpq(2)
-                    self.worst[name] = max(self.worst[name], int(ratio.p) / int(ratio.q))
+                error = abs(_exact(value) - exact)
+                ratio = error / _exact(bound) if bound else fmpq(2 if error else 0)
+                self._count(name, int(ratio.p) / int(ratio.q), beyond=ratio > 1)
+
+    def _compare_hits(self, reference: SimpleReference, pixels: NDArray[np.int32], values: NDArray[np.float64]) -> None:
+        for (x, y), row in zip(pixels.tolist(), values, strict=True):
+            if not np.isfinite(row[5]):
+                continue
+            key, gradient = reference.at(x, y)
+            off = [(part - _exact(value)) ** 2 for part, value in zip(gradient, row[6:9], strict=True)]
+            for name, error, bound in (
+                ("simple key", abs(key - _exact(row[4])), row[5]),
+                ("simple gradient", sum(off, arb(0)).sqrt(), row[9]),
+            ):
+                ratio = error / _exact(bound)
+                self._count(name, float(ratio), beyond=not ratio < 1)
+
+    def _count(self, name: str, ratio: float, *, beyond: bool) -> None:
+        self.evaluations += 1
+        self.beyond += beyond
+        self.worst[name] = max(self.worst[name], ratio)
 
 
 def sample(probe: BoundsProbe, seeds: Iterable[int], per_quadric: int) -> None:
@@ -126,6 +153,28 @@ def sample(probe: BoundsProbe, seeds: Iterable[int], per_quadric: int) -> None:
         tiny = as_scene(far_and_tiny(seed))
         probe.check(tiny, 8 * per_quadric, seed, general=True)
         probe.check(tiny, 8 * per_quadric, seed, general=False)
+
+
+def _exact(value: float) -> fmpq:
+    return fmpq(*float(value).as_integer_ratio())
+
+
+def _frame(view: View, visible: Visible) -> NDArray[np.void]:
+    """What a simple gradient takes of a frame, as casting sets it."""
+    frame = np.zeros(1, dtype=FRAME)
+    frame["axes"] = -view.image_rows @ view.target
+    frame["axes"][0, 2] *= 1 / visible.unit if view.orthographic else 1
+    frame["principal"], frame["orthographic"] = view.principal, view.orthographic
+    return frame
+
+
+def _simple_reference(
+    forms: Sequence[tuple[str, RationalPolynomial, fmpq]], frame: NDArray[np.void]
+) -> SimpleReference:
+    (_, s, s_factor), (_, b, b_factor) = forms
+    axes = [[_exact(value) for value in row] for row in frame["axes"][0].tolist()]
+    cx, cy = (_exact(value) for value in frame["principal"][0].tolist())
+    return SimpleReference(s, s_factor, b, b_factor, axes, None if frame["orthographic"][0] else (cx, cy))
 
 
 def _references(
@@ -156,3 +205,18 @@ def _simple_references(
     value = fmpq(fixed.whole.one, fixed.over)
     in_units = 1 / unit if orthographic else -unit
     return [("simple S", forms.s, (in_units / value) ** 2), ("simple b", forms.b, in_units / value)]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="the worst |computed - exact| / bound of each quantity")
+    parser.add_argument("seeds", type=int)
+    with tempfile.TemporaryDirectory() as folder:
+        probe = BoundsProbe(Path(folder))
+        sample(probe, range(parser.parse_args().seeds), per_quadric=16)
+    print(f"{probe.evaluations} evaluations, {probe.beyond} beyond their bounds")
+    for name, ratio in probe.worst.items():
+        print(f"{name:16} {ratio:.2f}")
+
+
+if __name__ == "__main__":
+    main()
