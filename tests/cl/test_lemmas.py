@@ -1,7 +1,9 @@
 """What the bounds use of geometry and algebra, in exact numbers."""
 
+from fractions import Fraction
 from itertools import combinations, product
 
+import pytest
 from flint import fmpq, fmpq_poly
 
 from tests.cl.roundings import UNIT_ROUNDOFF, constant, gamma
@@ -46,3 +48,23 @@ def test_a_cross_product_is_within_3u_of_its_factors() -> None:
         assert magnitudes == twice - squares
     # A product and a difference.
     assert 2 * gamma(2) ** 2 <= (3 * UNIT_ROUNDOFF) ** 2
+
+
+@pytest.mark.parametrize("orthographic", [False, True])
+def test_the_exact_depth_is_between_the_two_that_are_rounded(*, orthographic: bool) -> None:
+    """Of a key that is off by k times itself, u <= k <= 2^-10; above, binary32 tells the two apart.
+
+    Both are affine in k and in the relative error of each operation, so that corners are enough: 1 / (1 + k) >= 1 - k
+    and 1 / (1 - k) <= 1 + 1.001 k. The unit is a power of two; with parallel rays t is the key, but for its sign.
+    """
+    grows = Fraction(1) if orthographic else constant("channels.h", r"\(real\)\(([\d.]+) / f->unit\)")
+    rounding = constant("channels.h", r"per_unit\) \+ (\d+) \* UNIT_ROUNDOFF")
+    u = UNIT_ROUNDOFF / (1 + UNIT_ROUNDOFF)
+    farther, nearer = (1, 1) if orthographic else (Fraction(1001, 1000), 1)
+    for k in (UNIT_ROUNDOFF, Fraction(1, 2**10)):
+        for quotient, in_error, first, second, third, added, along, last in product((-u, u), repeat=8):
+            depth = 1 + (0 if orthographic else quotient)
+            scaled = k * grows * (1 + in_error) * (1 + first) * (1 if orthographic else (1 + second) * (1 + third))
+            error = (scaled + rounding * UNIT_ROUNDOFF) * (1 + added) * (1 + along)
+            assert depth * (1 - error) * (1 + last) <= 1 - nearer * k
+            assert depth * (1 + error) * (1 + last) >= 1 + farther * k

@@ -67,15 +67,6 @@ def test_moved_polynomials_round_no_more_often_than_their_bounds_allow(kind: str
     assert not allows(chain / 4, value.roundings, 0)
 
 
-def test_moving_rounds_seven_times_and_evaluating_six() -> None:
-    """As its comment says, at most: 14 in all."""
-    form = SimpleNamespace()
-    names = {"c": coefficients(6, STORED), "du": symbol("du"), "dv": symbol("dv"), "q": form}
-    run("polynomials.h", "q.uu = ", "q.one = ", names)
-    assert max(part.roundings for part in vars(form).values()) <= STORED + 7
-    assert evaluated("quadratic", form).roundings <= STORED + 7 + 6
-
-
 def simple_record() -> SimpleNamespace:
     """S and b of a simple record from moments and products that are binary64's, as set-up has them."""
     m = SimpleNamespace(
