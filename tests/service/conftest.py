@@ -24,6 +24,11 @@ SCENE: dict[str, Any] = {
 }
 
 
+def uncached(**changes: Any) -> Settings:
+    """Settings with which every request is rendered, even one for an image that was rendered already."""
+    return Settings(image_cache_limit=0, **changes)
+
+
 def named(name: str) -> dict[str, Any]:
     """The scene with a name that tells the fake render process what to do."""
     return SCENE | {"quadrics": [{"shape": "sphere", "center": [0, 0, -3], "name": name}]}
@@ -57,7 +62,7 @@ def search_path() -> Iterator[None]:
 @pytest.fixture(scope="module")
 async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """An application whose render process is fake, shared by the tests of a module."""
-    limits = Settings(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000, kept_limit=100_000)
+    limits = uncached(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000, kept_limit=100_000)
     async with serving(limits, FAKE) as shared:
         yield shared
 
