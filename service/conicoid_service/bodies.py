@@ -3,13 +3,15 @@
 import hashlib
 from contextlib import ExitStack
 from dataclasses import dataclass
-
-from fastapi import Request
+from typing import TYPE_CHECKING
 
 from conicoid.errors import LimitError
 from conicoid_service.blob import Blob
 from conicoid_service.errors import ContentEncodingError, MediaTypeError
 from conicoid_service.multipart import boundary_of
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Body:
     digest: str
 
 
-async def receive(request: Request, limit: int) -> Body:
+async def receive(request: "Request", limit: int) -> Body:
     """The body of a request with a scene document: `application/json`, or `multipart/form-data`.
 
     Raises:
@@ -52,7 +54,7 @@ async def receive(request: Request, limit: int) -> Body:
     return Body(body, boundary, digest.hexdigest())
 
 
-def _check_type(request: Request) -> str | None:
+def _check_type(request: "Request") -> str | None:
     """The boundary of a multipart body, None for JSON."""
     given = request.headers.get("content-type", "of no given type")
     boundary = boundary_of(given)

@@ -56,7 +56,9 @@ class ReadScene:
 class Pipeline:
     """Both children and what flows through them."""
 
-    def __init__(self, settings: Settings, commands: Commands) -> None:
+    def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
+        """Describe both; `commands` are other child processes, for tests of supervision: no setting leads here."""
+        commands = commands or Commands()
         self._limits = {
             "quadrics": settings.quadric_limit,
             "pixels": settings.pixel_limit,
@@ -74,7 +76,10 @@ class Pipeline:
         self._renders = supervised("render", commands.render, device)
 
     def start(self) -> None:
-        """Start both children in the background."""
+        """Start both children in the background, if they are not started already.
+
+        They load what they need while the caller loads an HTTP server or client: nothing here needs one.
+        """
         self._documents.start()
         self._renders.start()
 

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from conicoid_service.app import create_app
-from conicoid_service.pipeline import Commands
+from conicoid_service.pipeline import Commands, Pipeline
 from conicoid_service.settings import Settings
 from tests.checkout import ROOT
 
@@ -37,7 +37,7 @@ def named(name: str) -> dict[str, Any]:
 @asynccontextmanager
 async def serving(settings: Settings, commands: Commands | None = None) -> AsyncIterator[httpx.AsyncClient]:
     """A client of an application in this process, with its lifespan run."""
-    app = create_app(settings, commands)
+    app = create_app(settings, Pipeline(settings, commands))
     transport = httpx.ASGITransport(app, raise_app_exceptions=True)
     async with (
         app.router.lifespan_context(app),

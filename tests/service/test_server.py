@@ -18,6 +18,7 @@ import pytest
 import uvicorn
 
 from conicoid_service.app import create_app
+from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings
 from tests.checkout import ROOT
 from tests.service.conftest import FAKE, SCENE, descriptors, named, uncached
@@ -26,12 +27,14 @@ pytestmark = pytest.mark.usefixtures("nothing_left", "search_path")
 
 LARGE = SCENE | {"camera": {"width": 3000, "height": 2000, "fov_y": 40}, "output": {"compression": "none"}}
 
+UNCACHED = uncached()
+
 
 @contextmanager
-def serving(settings: Settings | None = None) -> Iterator[httpx.Client]:
+def serving(settings: Settings = UNCACHED) -> Iterator[httpx.Client]:
     """A client of a server in a thread of this process, with the fake render process."""
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(settings or uncached(), FAKE), log_config=None))
+    server = uvicorn.Server(uvicorn.Config(create_app(settings, Pipeline(settings, FAKE)), log_config=None))
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
     host, port = listener.getsockname()
