@@ -108,6 +108,23 @@ def test_only_the_device_side_imports_pyopencl() -> None:
     assert {i.importer for i in IMPORTS if i.target == "pyopencl" and i.package != "conicoid_bench"} <= DEVICE_SIDE
 
 
+@pytest.mark.parametrize(
+    ("module", "without"),
+    [
+        ("conicoid_service.server", ["fastapi", "starlette", "uvicorn", "numpy"]),
+        ("conicoid_service.app", ["numpy", "OpenEXR"]),
+        ("conicoid_client.command.connect", ["fastapi", "httpx", "numpy"]),
+        ("conicoid_client.command.render", ["httpx", "numpy"]),
+    ],
+)
+def test_what_starts_the_children_does_not_first_load_what_they_need_not_wait_for(
+    module: str, without: list[str]
+) -> None:
+    load = "import importlib, sys; importlib.import_module(sys.argv[1]); print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", load, module], check=True, capture_output=True, text=True).stdout
+    assert not {*loaded.split()} & {*without}
+
+
 @pytest.mark.parametrize("package", sorted(SOURCES.keys() - {"conicoid_bench"}))
 def test_all_but_the_device_side_loads_without_an_opencl_driver(package: str) -> None:
     """So the API's process never holds a driver, and scenes and algebra work where there is none."""

@@ -16,37 +16,37 @@ from conicoid.errors import ConicoidError
 from conicoid_service import probes, routes
 from conicoid_service.guard import Guard
 from conicoid_service.openapi import describe
-from conicoid_service.pipeline import Commands, Pipeline
+from conicoid_service.pipeline import Pipeline
 from conicoid_service.problems import http_problem, problem
 from conicoid_service.settings import Settings
 
 DESCRIPTION = "Exact batch ray-casting of quadrics: scene documents in, OpenEXR depth and normals out."
 
 
-def create_app(settings: Settings | None = None, commands: Commands | None = None) -> FastAPI:
+def create_app(settings: Settings | None = None, pipeline: Pipeline | None = None) -> FastAPI:
     """The application; its lifespan starts and ends the child processes.
 
     Args:
         settings: None reads them from the environment.
-        commands: other child processes, for tests of supervision. No setting leads here.
+        pipeline: of the same settings, perhaps started already; None makes one.
     Raises:
         SettingsError: the environment's settings are unusable.
     """
     settings = settings or Settings.from_environment()
-    pipeline = Pipeline(settings, commands or Commands())
+    running = pipeline or Pipeline(settings)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        pipeline.start()
+        running.start()
         try:
             yield
         finally:
-            await pipeline.stop()
+            await running.stop()
 
     app = FastAPI(
         title="Conicoid", version=__version__, description=DESCRIPTION, lifespan=lifespan, redirect_slashes=False
     )
-    app.state.settings, app.state.pipeline = settings, pipeline
+    app.state.settings, app.state.pipeline = settings, running
     app.include_router(probes.router)
     app.include_router(routes.router)
     app.add_middleware(Guard)

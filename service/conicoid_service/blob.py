@@ -4,13 +4,16 @@ The file has no name and lives in memory: it is gone with its last holder, which
 count against `/dev/shm`, which containers keep at 64 MB.
 """
 
+import io
 import os
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import BinaryIO, Self
 
 CHUNK = 1 << 18
+_BUFFER = 1 << 20
 _LARGEST_READ = 1 << 30  # Linux reads less than 2 GiB at once
 
 
@@ -41,6 +44,15 @@ class Blob:
         view = memoryview(data)
         while view:
             view = view[self.file.write(view) :]
+
+    @contextmanager
+    def buffered(self) -> Iterator[BinaryIO]:
+        """The file behind a buffer, for writers of many small pieces; it holds all of them afterwards."""
+        stream = io.BufferedRandom(self.file, _BUFFER)  # type: ignore[arg-type]  # it is raw: see __init__
+        try:
+            yield stream
+        finally:
+            stream.detach()
 
     def shared(self) -> Self:
         """Another holder of the same file, which lasts until both are closed."""

@@ -1,14 +1,17 @@
 """Request bodies: checked for their type, then streamed into a blob that never grows past the limit."""
 
+import hashlib
 from contextlib import ExitStack
 from dataclasses import dataclass
-
-from fastapi import Request
+from typing import TYPE_CHECKING
 
 from conicoid.errors import LimitError
 from conicoid_service.blob import Blob
 from conicoid_service.errors import ContentEncodingError, MediaTypeError
 from conicoid_service.multipart import boundary_of
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
 
 
 @dataclass(frozen=True)
@@ -18,13 +21,15 @@ class Body:
     Attributes:
         blob: its bytes; whoever is last to use them closes it.
         boundary: between its parts, if it is `multipart/form-data`; None for JSON.
+        digest: SHA-256 in hexadecimal of boundary and bytes: bodies with the same one are the same.
     """
 
     blob: Blob
     boundary: str | None
+    digest: str
 
 
-async def receive(request: Request, limit: int) -> Body:
+async def receive(request: "Request", limit: int) -> Body:
     """The body of a request with a scene document: `application/json`, or `multipart/form-data`.
 
     Raises:
@@ -38,17 +43,18 @@ async def receive(request: Request, limit: int) -> Body:
         raise _too_long(limit, int(declared))
     with ExitStack() as on_error:
         body = on_error.enter_context(Blob())
-        received = 0
+        received, digest = 0, hashlib.sha256(f"{boundary}\n".encode())
         async for chunk in request.stream():
             received += len(chunk)
             if received > limit:
                 raise _too_long(limit, received)
             body.append(chunk)
+            digest.update(chunk)
         on_error.pop_all()
-    return Body(body, boundary)
+    return Body(body, boundary, digest.hexdigest())
 
 
-def _check_type(request: Request) -> str | None:
+def _check_type(request: "Request") -> str | None:
     """The boundary of a multipart body, None for JSON."""
     given = request.headers.get("content-type", "of no given type")
     boundary = boundary_of(given)

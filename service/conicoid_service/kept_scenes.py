@@ -3,12 +3,12 @@
 They outlive the child processes, which get descriptors of the files; this process never looks into them.
 """
 
-from collections import OrderedDict
 from dataclasses import dataclass
 
 from conicoid.errors import LimitError
 from conicoid_service.blob import Blob
 from conicoid_service.errors import UnknownSceneError
+from conicoid_service.recent import Recent
 
 
 @dataclass(frozen=True)
@@ -30,8 +30,7 @@ class KeptScenes:
     """As many as a limit of bytes allows; whoever was not used for longest goes first. For one thread."""
 
     def __init__(self, limit: int) -> None:
-        self._limit = limit
-        self._scenes: OrderedDict[str, KeptScene] = OrderedDict()
+        self._scenes: Recent[KeptScene] = Recent(limit)
 
     def keep(self, scene: KeptScene) -> None:
         """Take a scene over, in place of one with the same id.
@@ -40,14 +39,8 @@ class KeptScenes:
             LimitError: it alone is larger than the limit; its file is closed, and the others stay.
         """
         size = len(scene.blob)
-        if size > self._limit:
-            scene.blob.close()
-            raise LimitError("bytes of kept scenes", self._limit, size)
-        if scene.id in self._scenes:
-            self.drop(scene.id)
-        while self._scenes and size + sum(len(kept.blob) for kept in self._scenes.values()) > self._limit:
-            self.drop(next(iter(self._scenes)))
-        self._scenes[scene.id] = scene
+        if not self._scenes.put(scene.id, scene):
+            raise LimitError("bytes of kept scenes", self._scenes.limit, size)
 
     def get(self, scene_id: str) -> KeptScene:
         """A kept scene, which now is the one that was used last; its file stays the store's.
@@ -55,12 +48,12 @@ class KeptScenes:
         Raises:
             UnknownSceneError: it is not kept, or not any more.
         """
-        if scene_id not in self._scenes:
+        scene = self._scenes.get(scene_id)
+        if scene is None:
             raise UnknownSceneError(
                 f"no scene is kept under {scene_id[:80]!r}, or not any more; keep it again with POST /v1/scenes"
             )
-        self._scenes.move_to_end(scene_id)
-        return self._scenes[scene_id]
+        return scene
 
     def drop(self, scene_id: str) -> None:
         """Give a scene up; requests that have its file already go on with it.
@@ -68,10 +61,8 @@ class KeptScenes:
         Raises:
             UnknownSceneError: it is not kept.
         """
-        self.get(scene_id).blob.close()
-        del self._scenes[scene_id]
+        self._scenes.drop(self.get(scene_id).id)
 
     def close(self) -> None:
         """Give all of them up."""
-        while self._scenes:
-            self.drop(next(iter(self._scenes)))
+        self._scenes.close()

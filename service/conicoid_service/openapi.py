@@ -8,7 +8,6 @@ from typing import Any, Final
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from conicoid.schema import json_schema
 from conicoid_service.problems import MEDIA_TYPE
 from conicoid_service.responses import EXR_TYPE
 
@@ -165,6 +164,8 @@ READY_DOCS: Final[dict[str, Any]] = {"responses": problems(503)}
 
 def describe(app: FastAPI) -> dict[str, Any]:
     """The application's OpenAPI document, with the schemas of scenes and problems."""
+    from conicoid.schema import json_schema  # loads NumPy, which no other answer of this process needs
+
     document = get_openapi(
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=app.openapi_tags
     )

@@ -8,13 +8,14 @@ already known, while a long render runs (`docs/decisions` has the measurements).
 import asyncio
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 from conicoid_service.blob import Blob
 from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
 from conicoid_service.errors import NotReadyError, UnknownSceneError
+from conicoid_service.images import Image, Images
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
 from conicoid_service.settings import Settings
 from conicoid_service.supervisor import Answer, Supervisor
@@ -40,11 +41,13 @@ class ReadScene:
     Attributes:
         view: camera and output, pickled.
         quadrics: the quadrics, pickled; whoever has finished with the two closes them.
+        kept: whether the document only names them.
         scene_hash, quadrics_hash: as in `conicoid.canonical`.
     """
 
     view: Blob
     quadrics: Blob
+    kept: bool
     scene_hash: str
     quadrics_hash: str
     timings: Timings = field(repr=False)
@@ -53,7 +56,9 @@ class ReadScene:
 class Pipeline:
     """Both children and what flows through them."""
 
-    def __init__(self, settings: Settings, commands: Commands) -> None:
+    def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
+        """Describe both; `commands` are other child processes, for tests of supervision: no setting leads here."""
+        commands = commands or Commands()
         self._limits = {
             "quadrics": settings.quadric_limit,
             "pixels": settings.pixel_limit,
@@ -66,19 +71,23 @@ class Pipeline:
             start_deadline_s=settings.start_deadline_s,
         )
         device = {"device": settings.device, "threads": settings.threads, "cache_dir": str(settings.cache_dir)}
-        self.kept = KeptScenes(settings.kept_limit)
+        self.kept, self.images = KeptScenes(settings.kept_limit), Images(settings.image_cache_limit)
         self._documents = supervised("document", commands.document, {})
         self._renders = supervised("render", commands.render, device)
 
     def start(self) -> None:
-        """Start both children in the background."""
+        """Start both children in the background, if they are not started already.
+
+        They load what they need while the caller loads an HTTP server or client: nothing here needs one.
+        """
         self._documents.start()
         self._renders.start()
 
     async def stop(self) -> None:
         """End both children and give up what is kept."""
-        self.kept.close()
         await asyncio.gather(asyncio.to_thread(self._documents.stop), asyncio.to_thread(self._renders.stop))
+        self.kept.close()
+        self.images.close()
 
     def check_ready(self) -> None:
         """Return if both children are alive and warm.
@@ -104,7 +113,7 @@ class Pipeline:
             answer = await self._ask("canonical", body)
             if "scene" in answer.message:
                 kept = self.kept.get(answer.message["scene"]).blob.shared()
-                answer = await self._ask("canonical", Body(again.shared(), body.boundary), kept)
+                answer = await self._ask("canonical", replace(body, blob=again.shared()), kept)
         with answer.blobs[0] as text:
             return text.read(), _timings(answer)
 
@@ -133,16 +142,14 @@ class Pipeline:
         except UnknownSceneError:
             view.close()
             raise
-        return ReadScene(view, quadrics, *hashes, _timings(answer))
+        return ReadScene(view, quadrics, not own, *hashes, _timings(answer))
 
-    async def render(self, read: ReadScene) -> tuple[Blob, Timings, dict[str, int]]:
-        """The EXR image of a scene, and how many pixels were `refined` in double-double and `settled` on the host.
-
-        Takes the scene over; the caller closes the image.
-        """
+    async def render(self, read: ReadScene) -> tuple[Image, Timings]:
+        """The EXR image of a scene. Takes the scene over; the caller closes the image."""
         message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash}
         answer = await self._renders.call(message, [read.view, read.quadrics])
-        return answer.blobs[0], _timings(answer), {key: answer.message[key] for key in ("refined", "settled")}
+        escalated = answer.message["refined"], answer.message["settled"]
+        return Image(answer.blobs[0], read.scene_hash, *escalated), _timings(answer)
 
     async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
         message = {"do": do, "limits": self._limits, "boundary": body.boundary}

@@ -54,7 +54,8 @@ def start(configuration: Message) -> tuple[Handler, Message]:
         frame = renderer.render(scene)
         started = time.perf_counter()
         image = Blob()
-        exr.write(image.file, frame, scene, message["scene_hash"])
+        with image.buffered() as stream:
+            exr.write(stream, frame, scene, message["scene_hash"])
         encode_ms = (time.perf_counter() - started) * 1e3
         timings = {"setup": frame.setup_ms, "cast": frame.cast_ms, "encode": encode_ms}
         return {"timings_ms": timings, "refined": frame.refined, "settled": frame.settled}, [image]

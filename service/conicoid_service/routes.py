@@ -1,7 +1,7 @@
 """What the service does for scenes: render, canonical form, keep; and what it does it with."""
 
 from importlib.metadata import version
-from typing import Any
+from typing import Any, Final
 
 from fastapi import APIRouter, Request, Response
 
@@ -9,13 +9,18 @@ from conicoid import __version__
 from conicoid_service.bodies import Body, receive
 from conicoid_service.disconnects import while_connected
 from conicoid_service.entity_tags import entity_tag, matches
+from conicoid_service.images import Image, Images
 from conicoid_service.kept_scenes import KeptScene
 from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, DROP_DOCS, KEEP_DOCS, KEPT_DOCS, RENDER_DOCS
-from conicoid_service.pipeline import Pipeline
+from conicoid_service.pipeline import Pipeline, Timings
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
 from conicoid_service.settings import Settings
 
 LIBRARIES = ("OpenEXR", "pyopencl", "numpy", "fastapi", "uvicorn")
+
+# Stages that an answer did not need.
+_UNREAD: Final[Timings] = {"queue": 0.0, "parse": 0.0, "setup": 0.0}
+_UNDRAWN: Final[Timings] = {"cast": 0.0, "encode": 0.0}
 
 router = APIRouter(prefix="/v1", tags=["scenes"])
 
@@ -25,7 +30,9 @@ async def render(request: Request) -> Response:
     """Render a scene document with one camera to an OpenEXR image.
 
     The strong `ETag` names the image's bytes: a request that has it in `If-None-Match` is answered 304, unrendered.
-    `Server-Timing` gives milliseconds: queue, parse (body to arrays), setup (per quadric), cast (per pixel), encode.
+    An image that was rendered lately is sent again, unrendered too.
+    `Server-Timing` gives milliseconds: queue, parse (body to arrays), setup (per quadric), cast (per pixel), encode;
+    0 for stages that this answer did not need.
     Of the pixels that binary64 could not certify, `Conicoid-Refined` counts those that double-double rounded,
     `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
@@ -35,20 +42,39 @@ async def render(request: Request) -> Response:
 
 
 async def _render(pipeline: Pipeline, body: Body, if_none_match: str | None) -> Response:
+    known = pipeline.images.tag_of(body.digest)
+    if known and (response := _at_hand(pipeline.images, known, if_none_match, _UNREAD)):
+        body.blob.close()
+        return response
     read = await pipeline.read(body)
     with read.view, read.quadrics:
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
-        if matches(if_none_match, tag):
-            return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(read.timings)})
-        image, timings, escalated = await pipeline.render(read)
+        if not read.kept:  # else the body says too little: what it names may be dropped
+            pipeline.images.note(body.digest, tag)
+        if response := _at_hand(pipeline.images, tag, if_none_match, read.timings):
+            return response
+        image, timings = await pipeline.render(read)
+    pipeline.images.keep(tag, image)
+    return _image(image, tag, read.timings, timings)
+
+
+def _at_hand(images: Images, tag: str, if_none_match: str | None, timings: Timings) -> Response | None:
+    """The answer without rendering: 304 if the client has the image, the image if the service has it still."""
+    if matches(if_none_match, tag):
+        return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(timings)})
+    image = images.get(tag)
+    return None if image is None else _image(image, tag, timings, _UNDRAWN)
+
+
+def _image(image: Image, tag: str, *timings: Timings) -> Response:
     headers = {
         "ETag": tag,
-        "Server-Timing": server_timing(read.timings, timings),
-        "Conicoid-Refined": str(escalated["refined"]),
-        "Conicoid-Settled": str(escalated["settled"]),
-        "Content-Disposition": f'attachment; filename="conicoid-{read.scene_hash[:12]}.exr"',
+        "Server-Timing": server_timing(*timings),
+        "Conicoid-Refined": str(image.refined),
+        "Conicoid-Settled": str(image.settled),
+        "Content-Disposition": f'attachment; filename="conicoid-{image.scene_hash[:12]}.exr"',
     }
-    return BlobResponse(image, headers, EXR_TYPE)
+    return BlobResponse(image.blob, headers, EXR_TYPE)
 
 
 @router.post("/canonical", response_class=Response, **CANONICAL_DOCS)

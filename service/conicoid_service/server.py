@@ -4,9 +4,7 @@ import signal
 import socket
 import threading
 
-import uvicorn
-
-from conicoid_service.app import create_app
+from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings
 
 # Shorter than the 10 s that container runtimes wait before they kill.
@@ -35,8 +33,16 @@ def serve(
         SettingsError: the environment's settings are unusable.
         SystemExit: the address cannot be bound.
     """
+    settings = settings or Settings.from_environment()
+    pipeline = Pipeline(settings)
+    pipeline.start()
+    # Loading these takes as long as starting the children, which goes on meanwhile.
+    import uvicorn
+
+    from conicoid_service.app import create_app
+
     config = uvicorn.Config(
-        create_app(settings),
+        create_app(settings, pipeline),
         host=host,
         port=port,
         log_level=log_level,

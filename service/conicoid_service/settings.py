@@ -26,6 +26,7 @@ class Settings:
     quadric_limit: int = field(default=2_000_000, metadata=_about(int, "quadrics in a scene", 1))
     pixel_limit: int = field(default=67_000_000, metadata=_about(int, "pixels rendered in a frame", 1))
     kept_limit: int = field(default=512 * 2**20, metadata=_about(int, "bytes of kept scenes", 0))
+    image_cache_limit: int = field(default=256 * 2**20, metadata=_about(int, "bytes of images kept for later", 0))
     queue_length: int = field(default=32, metadata=_about(int, "requests that may wait for each process", 0))
     deadline_s: float = field(default=60.0, metadata=_about(float, "seconds for a request, each attempt", 0.001))
     start_deadline_s: float = field(default=120.0, metadata=_about(float, "seconds for a process to start", 0.001))

@@ -90,8 +90,9 @@ class Supervisor:
         self._hello: Message | None = None
 
     def start(self) -> None:
-        """Start the child in the background; requests may be made at once and wait for it."""
-        self._thread.start()
+        """Start the child in the background; requests may be made at once and wait for it. Once is enough."""
+        if self._thread.ident is None:
+            self._thread.start()
 
     def stop(self) -> None:
         """End the child and fail what still waits; returns when both are done."""

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from conicoid_service.app import create_app
-from conicoid_service.pipeline import Commands
+from conicoid_service.pipeline import Commands, Pipeline
 from conicoid_service.settings import Settings
 from tests.checkout import ROOT
 
@@ -24,6 +24,11 @@ SCENE: dict[str, Any] = {
 }
 
 
+def uncached(**changes: Any) -> Settings:
+    """Settings with which every request is rendered, even one for an image that was rendered already."""
+    return Settings(image_cache_limit=0, **changes)
+
+
 def named(name: str) -> dict[str, Any]:
     """The scene with a name that tells the fake render process what to do."""
     return SCENE | {"quadrics": [{"shape": "sphere", "center": [0, 0, -3], "name": name}]}
@@ -32,7 +37,7 @@ def named(name: str) -> dict[str, Any]:
 @asynccontextmanager
 async def serving(settings: Settings, commands: Commands | None = None) -> AsyncIterator[httpx.AsyncClient]:
     """A client of an application in this process, with its lifespan run."""
-    app = create_app(settings, commands)
+    app = create_app(settings, Pipeline(settings, commands))
     transport = httpx.ASGITransport(app, raise_app_exceptions=True)
     async with (
         app.router.lifespan_context(app),
@@ -57,7 +62,7 @@ def search_path() -> Iterator[None]:
 @pytest.fixture(scope="module")
 async def client(anyio_backend: str, search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """An application whose render process is fake, shared by the tests of a module."""
-    limits = Settings(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000, kept_limit=100_000)
+    limits = uncached(body_limit=2_000_000, quadric_limit=100, pixel_limit=5_000, kept_limit=100_000)
     async with serving(limits, FAKE) as shared:
         yield shared
 

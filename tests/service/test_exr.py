@@ -18,6 +18,7 @@ from conicoid import __version__
 from conicoid.engine import Frame
 from conicoid.scene import Channel, Compression, Scene
 from conicoid_service import exr
+from conicoid_service.blob import Blob
 from tests.checkout import ROOT
 from tests.service.scenes import frame, scene, seen_from
 
@@ -158,6 +159,14 @@ def test_a_stream_gets_the_same_bytes_as_memory(tmp_path: Path) -> None:
     with path.open("w+b", buffering=0) as stream:
         exr.write(stream, frame(of), of, HASH)
     assert hashlib.sha256(path.read_bytes()).digest() == hashlib.sha256(exr.encode(frame(of), of, HASH)).digest()
+
+
+def test_a_buffered_blob_gets_the_same_bytes_as_memory_and_has_them_when_the_buffer_is_gone() -> None:
+    of = scene(seen_from(width=600, height=400, crop=(0, 0, 600, 400)), compression="none")  # more than a buffer holds
+    with Blob() as blob, blob.shared() as other:
+        with blob.buffered() as stream:
+            exr.write(stream, frame(of), of, HASH)
+        assert blob.read() == other.read() == exr.encode(frame(of), of, HASH)
 
 
 def test_an_image_of_one_pixel_is_an_image() -> None:

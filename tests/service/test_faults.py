@@ -11,8 +11,7 @@ import httpx
 import pytest
 
 from conicoid_service.pipeline import Commands
-from conicoid_service.settings import Settings
-from tests.service.conftest import FAKE, SCENE, children, named, serving
+from tests.service.conftest import FAKE, SCENE, children, named, serving, uncached
 from tests.service.test_http import JSON, assert_problem
 
 pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("nothing_left", "search_path")]
@@ -40,27 +39,27 @@ async def ready(client: httpx.AsyncClient) -> None:
 
 
 async def test_a_scene_that_aborts_the_render_process_fails_alone() -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         problem = assert_problem(await client.post("/v1/render", json=named("abort")), 500, "render-crashed")
         assert "SIGABRT" in problem["detail"]
         assert (await client.post("/v1/render", json=SCENE)).status_code == 200
 
 
 async def test_a_scene_that_hangs_meets_the_deadline_and_fails_alone() -> None:
-    async with serving(Settings(deadline_s=1), FAKE) as client:
+    async with serving(uncached(deadline_s=1), FAKE) as client:
         assert_problem(await client.post("/v1/render", json=named("hang")), 504, "render-timeout")
         assert (await client.post("/v1/render", json=SCENE)).status_code == 200
 
 
 async def test_poison_among_other_requests_takes_none_of_them_along() -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         names = ["", "abort", "", "defect", "abort", ""]
         responses = await asyncio.gather(*(client.post("/v1/render", json=named(name)) for name in names))
     assert [response.status_code for response in responses] == [200, 500, 200, 500, 500, 200]
 
 
 async def test_killing_every_child_again_and_again_loses_no_request() -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         for _ in range(3):
             await ready(client)
             for child in children():
@@ -69,7 +68,7 @@ async def test_killing_every_child_again_and_again_loses_no_request() -> None:
 
 
 async def test_a_child_killed_in_the_middle_of_a_request_is_replaced_and_the_request_answered(tmp_path: Path) -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         await ready(client)
         rendering = asyncio.create_task(client.post("/v1/render", json=named(f"until {tmp_path / 'go'}")))
         await asyncio.sleep(0.2)
@@ -80,7 +79,7 @@ async def test_a_child_killed_in_the_middle_of_a_request_is_replaced_and_the_req
 
 
 async def test_while_a_render_runs_documents_are_still_read_and_known_images_still_known(tmp_path: Path) -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         tag = (await client.post("/v1/render", json=SCENE)).headers["etag"]
         rendering = asyncio.create_task(client.post("/v1/render", json=named(f"until {tmp_path / 'go'}")))
         await asyncio.sleep(0.1)
@@ -94,7 +93,7 @@ async def test_while_a_render_runs_documents_are_still_read_and_known_images_sti
 
 
 async def test_a_full_queue_answers_429_and_when_to_come_back(tmp_path: Path) -> None:
-    async with serving(Settings(queue_length=1), FAKE) as client:
+    async with serving(uncached(queue_length=1), FAKE) as client:
         await client.get("/v1/device")
         scenes = [named(f"until {tmp_path / 'go'}")] * 2
         held = []
@@ -110,7 +109,7 @@ async def test_a_full_queue_answers_429_and_when_to_come_back(tmp_path: Path) ->
 
 
 async def test_without_a_device_renders_say_what_to_install_and_documents_are_still_read() -> None:
-    async with serving(Settings(), replace(FAKE, render=(sys.executable, "-c", NO_DRIVER))) as client:
+    async with serving(uncached(), replace(FAKE, render=(sys.executable, "-c", NO_DRIVER))) as client:
         problem = assert_problem(await client.post("/v1/render", json=SCENE), 503, "device-missing")
         assert "install one" in problem["detail"]
         assert_problem(await client.get("/v1/device"), 503, "device-missing")
@@ -121,7 +120,7 @@ async def test_without_a_device_renders_say_what_to_install_and_documents_are_st
 
 async def test_children_that_cannot_start_make_the_service_unavailable() -> None:
     broken = (sys.executable, "-c", "raise SystemExit(1)")
-    async with serving(Settings(), Commands(broken, broken)) as client:
+    async with serving(uncached(), Commands(broken, broken)) as client:
         for path in ("/v1/render", "/v1/canonical"):
             response = await client.post(path, json=SCENE)
             assert_problem(response, 503, "render-unavailable")
@@ -130,14 +129,14 @@ async def test_children_that_cannot_start_make_the_service_unavailable() -> None
 
 async def test_readiness_comes_with_the_children_and_says_what_is_missing() -> None:
     waiting = "import sys, time; time.sleep(3600)"
-    async with serving(Settings(), replace(FAKE, render=(sys.executable, "-c", waiting))) as client:
+    async with serving(uncached(), replace(FAKE, render=(sys.executable, "-c", waiting))) as client:
         problem = assert_problem(await client.get("/readyz"), 503, "not-ready")
         assert "process is starting" in problem["detail"]
         assert (await client.get("/livez")).status_code == 200
 
 
 async def test_a_defect_in_the_application_itself_is_a_problem_without_details() -> None:
-    async with serving(Settings(), FAKE) as client:
+    async with serving(uncached(), FAKE) as client:
         client._transport.app.get("/defect")(broken_endpoint)  # type: ignore[attr-defined]
         response = await client.get("/defect")
         assert_problem(response, 500, "internal")

@@ -15,10 +15,9 @@ from conicoid_service import document_process
 from conicoid_service.blob import Blob
 from conicoid_service.errors import UnknownSceneError
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
-from conicoid_service.settings import Settings
 from tests.checkout import ROOT
 from tests.malformed import CASES
-from tests.service.conftest import FAKE, SCENE, serving
+from tests.service.conftest import FAKE, SCENE, serving, uncached
 from tests.service.test_http import JSON, SCENE_ROUTES, assert_problem
 from tests.service.test_multipart import LISTS, SET, saved, upload
 
@@ -41,7 +40,7 @@ async def kept(client: httpx.AsyncClient, document: dict[str, Any]) -> str:
 @pytest.fixture
 async def small(search_path: None) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """A service with room for some 100 quadrics."""
-    async with serving(Settings(kept_limit=18_000), FAKE) as client:
+    async with serving(uncached(kept_limit=18_000), FAKE) as client:
         yield client
 
 
@@ -162,7 +161,7 @@ async def test_a_scene_that_never_fits_is_refused_and_drops_nothing(small: httpx
 
 async def test_kept_scenes_outlive_the_processes_that_use_them(search_path: None, nothing_left: None) -> None:  # noqa: ARG001
     faulty = replace(FAKE, document=(sys.executable, str(ROOT / "tests/service/crashing_document_process.py")))
-    async with serving(Settings(), faulty) as client:
+    async with serving(uncached(), faulty) as client:
         named = QUADRICS | {"quadrics": [SCENE["quadrics"][0] | {"name": "abort"}]}
         scene_id = await kept(client, QUADRICS)
         assert_problem(await client.post("/v1/render", json=VIEW | {"scene": await kept(client, named)}), 500,

@@ -24,6 +24,11 @@ pytestmark = pytest.mark.anyio
 EXAMPLES = {path.stem: path.read_bytes() for path in sorted((ROOT / "examples").glob("*.json"))}
 
 
+def environment(**changes: str) -> Settings:
+    """The environment's settings, but every request is rendered, even one for an image that was rendered already."""
+    return Settings.from_environment({**os.environ, "CONICOID_IMAGE_CACHE_LIMIT": "0", **changes})
+
+
 def compiled(cache: Path) -> set[Path]:
     return set(cache.rglob("*.so"))
 
@@ -31,7 +36,7 @@ def compiled(cache: Path) -> set[Path]:
 @pytest.fixture(scope="module")
 async def real(anyio_backend: str) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
     """An application with the real render process, on the device that the environment asks for."""
-    async with serving(Settings.from_environment(), Commands()) as client:
+    async with serving(environment(), Commands()) as client:
         yield client
 
 
@@ -95,7 +100,7 @@ async def test_an_example_gives_the_same_bytes_again_and_from_its_canonical_form
 
 async def test_no_request_waits_for_a_compiler(tmp_path: Path) -> None:
     """Warming compiles every kernel: rendering all examples adds none to a cache that was empty."""
-    async with serving(Settings.from_environment({**os.environ, "CONICOID_CACHE_DIR": str(tmp_path)})) as client:
+    async with serving(environment(CONICOID_CACHE_DIR=str(tmp_path))) as client:
         (await client.get("/v1/device")).raise_for_status()
         warmed = compiled(tmp_path)
         assert warmed

@@ -18,20 +18,23 @@ import pytest
 import uvicorn
 
 from conicoid_service.app import create_app
+from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings
 from tests.checkout import ROOT
-from tests.service.conftest import FAKE, SCENE, descriptors, named
+from tests.service.conftest import FAKE, SCENE, descriptors, named, uncached
 
 pytestmark = pytest.mark.usefixtures("nothing_left", "search_path")
 
 LARGE = SCENE | {"camera": {"width": 3000, "height": 2000, "fov_y": 40}, "output": {"compression": "none"}}
 
+UNCACHED = uncached()
+
 
 @contextmanager
-def serving(settings: Settings | None = None) -> Iterator[httpx.Client]:
+def serving(settings: Settings = UNCACHED) -> Iterator[httpx.Client]:
     """A client of a server in a thread of this process, with the fake render process."""
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(settings or Settings(), FAKE), log_config=None))
+    server = uvicorn.Server(uvicorn.Config(create_app(settings, Pipeline(settings, FAKE)), log_config=None))
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
     host, port = listener.getsockname()
@@ -85,7 +88,7 @@ def test_a_huge_declared_body_is_refused_before_it_is_sent() -> None:
 
 
 def test_an_endless_chunked_body_is_refused_at_the_limit() -> None:
-    with serving(Settings(body_limit=100_000)) as client, connection(client) as bare:
+    with serving(uncached(body_limit=100_000)) as client, connection(client) as bare:
         bare.sendall(head("chunked"))
         chunk = b"2710\r\n" + b" " * 10_000 + b"\r\n"
         for _ in range(11):

@@ -28,6 +28,7 @@ def test_every_setting_is_read_from_its_variable() -> None:
         "CONICOID_QUADRIC_LIMIT": "2",
         "CONICOID_PIXEL_LIMIT": "3",
         "CONICOID_KEPT_LIMIT": "4",
+        "CONICOID_IMAGE_CACHE_LIMIT": "5",
         "CONICOID_QUEUE_LENGTH": "0",
         "CONICOID_DEADLINE_S": "1.5",
         "CONICOID_START_DEADLINE_S": "2.5",
@@ -37,7 +38,7 @@ def test_every_setting_is_read_from_its_variable() -> None:
     }
     assert values.keys() == {variable(one.name) for one in fields(Settings)}
     assert Settings.from_environment(values) == Settings(
-        1000, 2, 3, 4, 0, 1.5, 2.5, "PoCL 3.1", 7, Path("/var/cache/x")
+        1000, 2, 3, 4, 5, 0, 1.5, 2.5, "PoCL 3.1", 7, Path("/var/cache/x")
     )
 
 

@@ -82,6 +82,13 @@ async def test_requests_made_before_the_child_is_ready_wait_for_it() -> None:
         assert running.ready
 
 
+async def test_starting_again_changes_nothing() -> None:
+    async with supervisor() as running:
+        first = await echo(running)
+        running.start()
+        assert await echo(running) == first
+
+
 @pytest.mark.parametrize(
     ("fault", "cause"),
     [("abort", "SIGABRT"), ("segfault", "SIGSEGV"), ("kill", "SIGKILL"), ("exit", "exit status 3")],

@@ -31,17 +31,24 @@ def settings() -> "Settings":
 
 def connect(options: argparse.Namespace) -> "Client":
     """A client of that service, or of one that lives as long as the client."""
-    from conicoid_client.client import Client
-
     if (address := server(options)) is not None:
+        from conicoid_client.client import Client
+
         try:
             return Client(address)
         except ClientError as error:
             raise UsageError(str(error)) from None
+    from conicoid_service.pipeline import Pipeline
+
+    configuration = settings()
+    # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
+    logging.getLogger().addHandler(logging.NullHandler())
+    pipeline = Pipeline(configuration)
+    pipeline.start()
+    # Loading these takes as long as starting the children, which goes on meanwhile.
+    from conicoid_client.client import Client
     from conicoid_client.local import LocalTransport
     from conicoid_service.app import create_app
 
-    # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
-    logging.getLogger().addHandler(logging.NullHandler())
     # Nobody else uses this service, so there is nothing to wait for and no sense in a retry.
-    return Client("http://conicoid", transport=LocalTransport(create_app(settings())), retries=0)
+    return Client("http://conicoid", transport=LocalTransport(create_app(configuration, pipeline)), retries=0)

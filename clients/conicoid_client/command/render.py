@@ -3,13 +3,16 @@
 import argparse
 import sys
 import time
+from typing import TYPE_CHECKING
 
 from conicoid_client import files
-from conicoid_client.client import Rendering
 from conicoid_client.command.connect import connect
 from conicoid_client.command.progress import progress
 from conicoid_client.command.report import UsageError
 from conicoid_client.command.scene import read_scene
+
+if TYPE_CHECKING:
+    from conicoid_client.client import Rendering
 
 
 def run(options: argparse.Namespace) -> None:
@@ -33,13 +36,13 @@ def run(options: argparse.Namespace) -> None:
         print(_summary(options.scene, rendering, seconds, written), file=sys.stderr)
 
 
-def _picture(rendering: Rendering) -> bytes:
+def _picture(rendering: "Rendering") -> bytes:
     from conicoid_client import exr, picture
 
     return picture.png(exr.decode(rendering.exr))
 
 
-def _summary(scene: str, rendering: Rendering, seconds: float, written: list[tuple[str, bytes]]) -> str:
+def _summary(scene: str, rendering: "Rendering", seconds: float, written: list[tuple[str, bytes]]) -> str:
     stages = ", ".join(f"{name} {ms:.1f}" for name, ms in rendering.timing_ms.items())
     lines = [f"{_name(scene)}: {seconds:.2f} s" + (f" ({stages} ms)" if stages else "")]
     return "\n".join(lines + [f"{_name(target)}: {len(data):,} bytes" for target, data in written])
