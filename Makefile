@@ -39,6 +39,7 @@ bench: $(SETUP)
 	.venv/bin/conicoid bench error examples/lysozyme.json --output bench/results
 	-$(MAKE) embree
 	.venv/bin/conicoid bench speed examples/lysozyme.json --output bench/results --embree $(EMBREE)
+	.venv/bin/conicoid bench service examples/lysozyme.json --output bench/results
 	.venv/bin/python bench/document.py
 
 # A peer of `conicoid bench speed`, which measures the rest without it; needs Debian's g++ and libembree-dev.

@@ -1,17 +1,18 @@
-"""Writes what `conicoid bench speed` recorded in bench/results into docs/performance.md.
+"""Writes what `conicoid bench speed` and `conicoid bench service` recorded in bench/results into docs/performance.md.
 
 python bench/document.py
 """
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
+from conicoid_bench.service.table import markdown as service_tables
 from conicoid_bench.speed.table import driver, markdown
 
 ROOT = Path(__file__).parent.parent
 RESULTS = ROOT / "bench" / "results"
 PAGE = ROOT / "docs" / "performance.md"
-BEGIN, END = "<!-- results -->\n", "<!-- end of results -->\n"
 
 
 def section(path: Path) -> str:
@@ -23,12 +24,25 @@ def section(path: Path) -> str:
     return f"## {of_driver}\n\n{markdown(results)}\n{times}\n\n{growth}\n"
 
 
+def service_section(path: Path) -> str:
+    """Tables of one record of the service."""
+    return service_tables(json.loads(path.read_text(encoding="utf-8")))
+
+
+def replaced(page: str, name: str, sections: Iterable[str]) -> str:
+    """The page with these sections between the markers of this name."""
+    begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->\n"
+    head, rest = page.split(begin)
+    content = "\n".join(sections)
+    return f"{head}{begin}\n{content}\n{end}{rest.split(end)[1]}"
+
+
 def main() -> None:
     """Replace what stands between the markers."""
-    head, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-    tail = rest.split(END)[1]
-    sections = "\n".join(section(path) for path in sorted(RESULTS.glob("speed-*.json")))
-    PAGE.write_text(f"{head}{BEGIN}\n{sections}\n{END}{tail}", encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
+    page = replaced(page, "results", map(section, sorted(RESULTS.glob("speed-*.json"))))
+    page = replaced(page, "service", map(service_section, sorted(RESULTS.glob("service-*.json"))))
+    PAGE.write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

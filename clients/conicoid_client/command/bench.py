@@ -2,6 +2,8 @@
 
 import argparse
 import sys
+from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,28 +14,46 @@ from conicoid_client.command.report import Failure, UsageError
 if TYPE_CHECKING:
     from conicoid_bench.scenes import BenchScene
 
-_NEEDED = {"error": ("matplotlib", "mitsuba"), "speed": ("matplotlib", "mitsuba", "numba")}
+_NEEDED = {"error": ("matplotlib", "mitsuba"), "speed": ("matplotlib", "mitsuba", "numba"), "service": ()}
 
 
 def run(options: argparse.Namespace) -> None:
-    """Run the measurement that was asked for, `error` or `speed`."""
+    """Run the measurement that was asked for, `error`, `speed` or `service`."""
     folder = Path(options.output)
     files.check_writable(str(folder / f"{options.measurement}.json") if folder.is_dir() else str(folder))
-    measured = _error if options.measurement == "error" else _speed
-    scenes = _scenes(options)
+    measured = _measurement(options)
     missing = [name for name in _NEEDED[options.measurement] if find_spec(name) is None]
     if missing:
         raise Failure(f"conicoid bench needs {' and '.join(missing)}; install with: pip install 'conicoid[bench]'")
     from conicoid.errors import DeviceError
     from conicoid_bench.embree import PeerFailed
+    from conicoid_bench.service.server import ServiceFailed
     from conicoid_bench.truth import WrongTruth
 
     try:
-        paths = measured(options, scenes, folder)
-    except (WrongTruth, PeerFailed, DeviceError) as error:
+        paths = measured(folder)
+    except (WrongTruth, PeerFailed, ServiceFailed, DeviceError) as error:
         raise Failure(str(error)) from None
     for path in paths:
         files.say(str(path))
+
+
+def _measurement(options: argparse.Namespace) -> Callable[[Path], list[Path]]:
+    """What was asked for, with the scenes that it needs, which have been read."""
+    if options.measurement == "service":
+        return partial(_service, options, files.read(options.scene))
+    return partial(_error if options.measurement == "error" else _speed, options, _scenes(options))
+
+
+def _service(options: argparse.Namespace, document: bytes, folder: Path) -> list[Path]:
+    from conicoid.errors import SceneError
+    from conicoid_bench.service.files import write
+    from conicoid_bench.service.run import run
+
+    try:
+        return write(run(document, options.device, _say), folder)
+    except SceneError as error:
+        raise UsageError(f"{options.scene}: {error}") from None
 
 
 def _error(options: argparse.Namespace, scenes: list["BenchScene"], folder: Path) -> list[Path]:

@@ -153,6 +153,12 @@ def _add_bench(bench: argparse.ArgumentParser) -> None:
         help="what `make embree` builds from bench/embree; without it the rest is measured (default: %(default)s)",
     )  # fmt: skip
 
+    summary = "the service from request to answer: every compression, the same request again, its start"
+    service = measurements.add_parser("service", help=summary, description=summary[0].upper() + summary[1:] + ".")
+    service.add_argument("scene", metavar="SCENE.json", help="a scene that needs no arrays")
+    service.add_argument("-o", "--output", required=True, metavar="DIR", help="for service-*.json and .md")
+    service.add_argument("--device", metavar="NAME", help='as in "PoCL 3.1" (default: $CONICOID_DEVICE, else any)')
+
 
 class _Version(argparse.Action):
     """Looks the version up only when it is asked for: that takes longer than everything else here."""

@@ -11,6 +11,7 @@ from conicoid_client.command.report import Failure
 
 def run(options: argparse.Namespace) -> None:
     """Listen, then answer until SIGINT or SIGTERM."""
+    configuration = settings()
     listener = _listen(options.host, options.port)
     from conicoid_service.server import serve
 
@@ -20,7 +21,7 @@ def run(options: argparse.Namespace) -> None:
     # An orderly stop is success: the server stops on these by itself, then sends itself the same signal once more.
     for ending in (signal.SIGINT, signal.SIGTERM):
         signal.signal(ending, lambda *_: None)
-    if not serve(settings=settings(), listener=listener):
+    if not serve(settings=configuration, listener=listener):
         raise Failure("the service did not start; its log above says why")
 
 
