@@ -17,7 +17,7 @@ from conicoid_bench.speed.contenders import Contender, Entry
 # Who is slow takes fewer laps: all are over when each has had its share of time or all its laps.
 _FEWEST: Final = 3
 # The threads of the one before may wait for more work, busily.
-_PAUSE_S: Final = 0.01
+_PAUSE_S: Final = 0.1
 # A peer is right, so that its time counts, when it shows no more wrong pixels than this of the image.
 RIGHT: Final = 1e-4
 
