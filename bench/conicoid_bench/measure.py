@@ -14,6 +14,7 @@ from conicoid_bench.picture import Job, Picture, Renderer
 # At least three runs after the warming one, more while they are short.
 _RUNS: Final = range(3, 16)
 _ENOUGH_S: Final = 3.0
+_PAUSE_S: Final = 0.3
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,8 @@ def angles(got: NDArray[np.float32], exact: NDArray[np.float32]) -> NDArray[np.f
 
 def timed(job: Job) -> tuple[Any, list[float]]:
     """What the last run returned, and the milliseconds of each run after a first one that warms."""
+    # The threads of the one before may wait for more work, busily.
+    time.sleep(_PAUSE_S)
     job.run()
     times: list[float] = []
     while len(times) < _RUNS.start or (len(times) < _RUNS.stop and sum(times) < 1e3 * _ENOUGH_S):
