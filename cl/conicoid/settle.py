@@ -91,7 +91,7 @@ class _Settlement:
         return some_flat or not np.array_equal(before, self.visible.place)
 
     def known(self, doubts: NDArray[Any]) -> NDArray[np.bool_]:
-        """Pixels whose hit is certain, on a root or a cap: sheets have kinds of their own."""
+        """Pixels whose hit is certain and told by its depth: two sheets may be nearer to each other than that tells."""
         known: NDArray[np.bool_] = (doubts["reasons"] & _DOUBT_HIT) == 0
         record = self.visible.record[doubts["winner"] >> 2]
         general = known & (record < 0)

@@ -33,6 +33,9 @@ for projection, camera in zip(PROJECTIONS, (pinhole(), orthographic()), strict=T
         enter(f"coin_and_slab_{label}_{projection}", "two faces that no depth tells apart",
               [{**CAN, "rotation": TURN, "z_range": [0, size]}, {**SLAB, "rotation": TURN, "radius": size,
                "clip": [[-1, 0, 0, 0]], "center": [0, 0, -8]}], camera, normal_side="outward")  # fmt: skip
+    enter(f"a_fan_of_one_unit_{projection}", "planes a unit of slope apart, through one line behind a column of pixels",
+          [{"shape": "plane", "transform": [[1, 0, 0, 0], [0, 1, 0, 0], [up(0.3, k), 0, 1, -4], [0, 0, 0, 1]]}
+           for k in (5, 0, 7, 2, 9, 1, 8, 3)], {**camera, "fx": 11, "cx": 7.5})  # fmt: skip
     enter(f"sheets_and_walls_{projection}", "both sheets of a slab, and a cap, are planes of the document too",
           [{**WALL, "clip": [[1, 0, 0, 1]]}, SLAB, {**WALL, "center": [0, 0, -7]}, CAN], camera)  # fmt: skip
     enter(f"edge_of_a_corner_{projection}", "where two sheets cross, at pixel centres; near on one of them",
