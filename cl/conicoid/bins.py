@@ -52,7 +52,8 @@ class Binning:
 
     def fits(self, box: NDArray[np.int32], crop: tuple[int, int, int, int]) -> bool:
         """Whether the lists of all tiles together stay within `MOST_ENTRIES`; they may be some per cent shorter."""
-        if len(box) * -(-(crop[2] - crop[0]) // TILE + 1) * -(-(crop[3] - crop[1]) // TILE + 1) <= MOST_ENTRIES:
+        columns, rows = (-(-(crop[k + 2] - crop[k]) // TILE) + 1 for k in (0, 1))
+        if len(box) * columns * rows <= MOST_ENTRIES:
             return True
         across, down = ((box[:, k + 2] - box[:, k]) / np.float32(TILE) + 1 for k in (0, 1))
         return float(across @ down) <= MOST_ENTRIES

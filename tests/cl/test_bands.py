@@ -38,3 +38,5 @@ def test_boxes_tell_whether_lists_fit(renderer: Renderer) -> None:
     assert renderer._binning.fits(everywhere[:1], crop)
     assert renderer._binning.fits(small, crop)
     assert not renderer._binning.fits(everywhere, crop)
+    strip = (0, 0, 16, 16384)
+    assert not renderer._binning.fits(np.array([strip] * 200_000, dtype=np.int32), strip)
