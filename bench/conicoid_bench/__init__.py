@@ -1,7 +1,7 @@
-"""Benchmarks: `conicoid bench error` and `conicoid bench speed`, each in one run beside honest baselines.
+"""Benchmarks: `conicoid bench error`, `speed` and `service`, each in one run beside honest baselines.
 
 workloads.py, scenes.py (what) -> truth.py (what is right)
 engine.py, opencl.py, vectorised.py, mitsuba_shapes.py, compiled.py, embree.py (who)
-error: error.py -> measure.py (how long, how wrong) -> files.py: JSON, table.py, figure.py (for people)
-speed: speed/, which says so itself
+error: error.py -> measure.py (how long, how wrong) -> files.py: texts.py, table.py, figure.py (for people)
+speed, service: speed/ and service/, which say so themselves
 """

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-import numpy as np
-
 from conicoid.device import find_device
 from conicoid.engine import Renderer as Engine
 from conicoid_bench.engine import Conicoid
@@ -59,7 +57,7 @@ def _scene(
     engine: Engine, renderers: Sequence[Renderer], bench: BenchScene, checked: int, say: Callable[[str], object]
 ) -> Results:
     scene = bench.scene
-    exact, verdict = truth(engine, bench, checked)
+    exact, facts = truth(engine, bench, checked)
     rows: Results = {}
     for renderer in renderers:
         if reason := renderer.why_not(scene):
@@ -67,13 +65,4 @@ def _scene(
             continue
         rows[renderer.name] = measured(renderer, scene, exact)
         say(f"  {renderer.name}: {rows[renderer.name]['ms']:.3g} ms")
-    return {
-        "name": bench.name,
-        "reason": bench.reason,
-        "quadrics": len(scene.quadrics),
-        "width": scene.camera.width,
-        "height": scene.camera.height,
-        "hits": int(np.count_nonzero(exact.id)),
-        "verified": verdict,
-        "renderers": rows,
-    }
+    return {**facts, "renderers": rows}

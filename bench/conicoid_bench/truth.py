@@ -1,6 +1,7 @@
 """The exact picture that all others are measured against, itself checked against exact arithmetic."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +16,8 @@ class WrongTruth(Exception):
     """`exact` is not exact here, so that nothing can be measured against it."""
 
 
-def truth(engine: Engine, bench: BenchScene, checked: int) -> tuple[Picture, dict[str, int]]:
-    """The exact picture, after pixels of it were checked against exact arithmetic; and how many were.
+def truth(engine: Engine, bench: BenchScene, checked: int) -> tuple[Picture, dict[str, Any]]:
+    """The exact picture, after pixels of it were checked against exact arithmetic; and the scene's facts for JSON.
 
     Raises:
         WrongTruth: one was not right.
@@ -31,4 +32,12 @@ def truth(engine: Engine, bench: BenchScene, checked: int) -> tuple[Picture, dic
     if verdict.wrong:
         raise WrongTruth(f"{bench.name}: `exact` is wrong at {verdict.wrong} pixels; {verdict.differences[0]}")
     edge = silhouettes(planes)[tuple(places.T)]
-    return picture, {"pixels": verdict.pixels, "silhouette": int(edge.sum()), "hits": verdict.hits}
+    return picture, {
+        "name": bench.name,
+        "reason": bench.reason,
+        "quadrics": len(bench.scene.quadrics),
+        "width": bench.scene.camera.width,
+        "height": bench.scene.camera.height,
+        "hits": int(np.count_nonzero(picture.id)),
+        "verified": {"pixels": verdict.pixels, "silhouette": int(edge.sum()), "hits": verdict.hits},
+    }

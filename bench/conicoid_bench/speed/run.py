@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-
 from conicoid.engine import Renderer as Engine
 from conicoid_bench.machine import machine
 from conicoid_bench.scenes import BenchScene
@@ -84,20 +82,10 @@ class Speed:
     def _scene(self, bench: BenchScene, taking_part: Sequence[Contender], check: Check) -> Results:
         self._say(bench.name)
         scene, effort = bench.scene, self._effort
-        exact, verdict = truth(self._engine, bench, effort.checked)
+        exact, facts = truth(self._engine, bench, effort.checked)
         floor = WriteOnly(self._device, *exact.depth.shape)
         floor_ms, rows = race(taking_part, floor.lap, scene, exact, check, effort.laps, effort.enough_s)
         for name, row in rows.items():
             if "ms" in row:
                 self._say(f"  {name}: {row['build_ms']:.3g} + {row['cast_ms']:.3g} ms")
-        return {
-            "name": bench.name,
-            "reason": bench.reason,
-            "quadrics": len(scene.quadrics),
-            "width": scene.camera.width,
-            "height": scene.camera.height,
-            "hits": int(np.count_nonzero(exact.id)),
-            "verified": verdict,
-            "write_only_ms": floor_ms,
-            "contenders": rows,
-        }
+        return {**facts, "write_only_ms": floor_ms, "contenders": rows}
