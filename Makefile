@@ -73,11 +73,12 @@ test-package: $(SETUP)
 	.venv/bin/pytest tests/container
 
 lock: $(SETUP)
-	$(COMPILE) pyproject.toml --extra pocl --group dev --output-file requirements/dev.txt
+	$(COMPILE) pyproject.toml --extra pocl --extra telemetry --group dev --output-file requirements/dev.txt
 	$(COMPILE) pyproject.toml --constraints requirements/dev.txt --output-file requirements/run.txt
 	$(COMPILE) pyproject.toml --extra bench --constraints requirements/dev.txt --output-file requirements/bench.txt
 	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
 	$(COMPILE) --group intel --output-file requirements/intel.txt
+	$(COMPILE) --group load --output-file requirements/load.txt
 
 clean:
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis build dist out
