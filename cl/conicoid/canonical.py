@@ -19,18 +19,26 @@ def canonical_document(scene: Scene) -> dict[str, Any]:
     are there only where they say something. A set of more than `scene.MOST_EXPANDED` quadrics stays a set: `count`, and
     for every other key a NumPy array, or a list, of one value for each.
     """
-    with paused_collector():
-        return {
-            "conicoid": 1,
-            "quadrics": _quadrics(scene.quadrics),
-            "camera": camera_document(scene.camera),
-            "output": _output(scene.output),
-        }
+    return _document(scene.quadrics, {"camera": camera_document(scene.camera)}, scene.output)
 
 
 def canonical_bytes(scene: Scene) -> bytes:
     """The canonical document as compact UTF-8 JSON with shortest round-trip floats and a newline at the end."""
-    return orjson.dumps(canonical_document(scene), option=orjson.OPT_APPEND_NEWLINE | orjson.OPT_SERIALIZE_NUMPY)
+    return _json(canonical_document(scene))
+
+
+def canonical_batch_bytes(quadrics: Quadrics, cameras: list[Camera], output: Output) -> bytes:
+    """The same of a document with `cameras`."""
+    return _json(_document(quadrics, {"cameras": list(map(camera_document, cameras))}, output))
+
+
+def _document(quadrics: Quadrics, views: dict[str, Any], output: Output) -> dict[str, Any]:
+    with paused_collector():
+        return {"conicoid": 1, "quadrics": _quadrics(quadrics), **views, "output": output_document(output)}
+
+
+def _json(document: dict[str, Any]) -> bytes:
+    return orjson.dumps(document, option=orjson.OPT_APPEND_NEWLINE | orjson.OPT_SERIALIZE_NUMPY)
 
 
 def _quadrics(quadrics: Quadrics) -> list[dict[str, Any]]:
@@ -141,7 +149,8 @@ def camera_document(camera: Camera) -> dict[str, Any]:
     return document if np.isinf(camera.far) else document | {"far": camera.far}
 
 
-def _output(output: Output) -> dict[str, Any]:
+def output_document(output: Output) -> dict[str, Any]:
+    """The `output` member of the canonical document."""
     depth = "inf" if np.isinf(output.background_depth) else output.background_depth
     return asdict(output) | {"channels": list(output.channels), "background_depth": depth}
 

@@ -53,6 +53,12 @@ class LimitError(ConicoidError):
         self.what, self.limit, self.asked = what, limit, asked
 
 
+class QuadricsFileError(ConicoidError):
+    """Quadrics that were stored are damaged, or not what they should be."""
+
+    code = "quadrics-file"
+
+
 class DeviceError(ConicoidError):
     """No usable OpenCL device, or the one that was asked for is not there."""
 

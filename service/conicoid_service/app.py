@@ -3,57 +3,96 @@
 Run it with `conicoid serve`, or under any ASGI server: `uvicorn --factory conicoid_service.app:create_app`.
 """
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import cache, partial
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from fastapi import FastAPI, Request, Response
+from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 
 from conicoid import __version__
 from conicoid.errors import ConicoidError
-from conicoid_service import probes, routes
+from conicoid_service import job_routes, probes, routes
+from conicoid_service.gallery import Gallery
 from conicoid_service.guard import Guard
+from conicoid_service.images import Images
 from conicoid_service.openapi import describe
 from conicoid_service.pipeline import Pipeline
-from conicoid_service.problems import http_problem, problem
+from conicoid_service.problems import http_problem, parameter_problem, problem
 from conicoid_service.settings import Settings
+
+if TYPE_CHECKING:
+    from conicoid_service.jobs.disk import Disk
 
 DESCRIPTION = "Exact batch ray-casting of quadrics: scene documents in, OpenEXR depth and normals out."
 
 
-def create_app(settings: Settings | None = None, pipeline: Pipeline | None = None) -> FastAPI:
+def create_app(
+    settings: Settings | None = None,
+    pipeline: Pipeline | None = None,
+    *,
+    disk: "Disk | None" = None,
+    keeps_jobs: bool = True,
+) -> FastAPI:
     """The application; its lifespan starts and ends the child processes.
 
     Args:
         settings: None reads them from the environment.
         pipeline: of the same settings, perhaps started already; None makes one.
+        disk: the job store, opened; None opens it when the lifespan begins.
+        keeps_jobs: whether there is a job store at all.
     Raises:
         SettingsError: the environment's settings are unusable.
+        StoreError: the job store cannot be opened; from the lifespan.
     """
     settings = settings or Settings.from_environment()
     running = pipeline or Pipeline(settings)
 
+    images = Images(settings.image_cache_limit)
+    gallery = Gallery(running, images)
+
     @asynccontextmanager
-    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         running.start()
         try:
+            if keeps_jobs:
+                await _keep_jobs(app, disk)
             yield
         finally:
+            if app.state.jobs is not None:
+                await app.state.jobs.stop()
             await running.stop()
+            images.close()
 
     app = FastAPI(
         title="Conicoid", version=__version__, description=DESCRIPTION, lifespan=lifespan, redirect_slashes=False
     )
-    app.state.settings, app.state.pipeline = settings, running
+    app.state.settings, app.state.pipeline, app.state.gallery, app.state.jobs = settings, running, gallery, None
     app.include_router(probes.router)
     app.include_router(routes.router)
+    app.include_router(job_routes.router)
     app.add_middleware(Guard)
     app.add_exception_handler(ConicoidError, _refuse)
     app.add_exception_handler(HTTPException, _refuse_http)
+    app.add_exception_handler(RequestValidationError, _refuse_parameters)
     app.openapi = cache(partial(describe, app))  # type: ignore[method-assign]  # FastAPI's documented extension point
     return app
+
+
+async def _keep_jobs(app: FastAPI, disk: "Disk | None") -> None:
+    """Begin to render what is in the job store."""
+    # What it needs takes as long to load as a short render.
+    from conicoid_service.jobs.disk import Disk
+    from conicoid_service.jobs.jobs import Jobs
+
+    state = app.state
+    opened = disk if disk is not None else await asyncio.to_thread(Disk, state.settings)
+    state.jobs = Jobs(state.settings, opened, state.pipeline, state.gallery)
+    state.gallery.shelf = state.jobs
+    state.jobs.start()
 
 
 async def _refuse(_: Request, error: Exception) -> Response:
@@ -64,3 +103,7 @@ async def _refuse_http(request: Request, error: Exception) -> Response:
     refused = cast(HTTPException, error)
     detail = f"{request.method} {request.url.path}: {refused.detail}; see /docs for what there is"
     return http_problem(refused.status_code, detail, refused.headers)
+
+
+async def _refuse_parameters(_: Request, error: Exception) -> Response:
+    return parameter_problem(cast(RequestValidationError, error))

@@ -1,21 +1,23 @@
 """The document process: hostile bytes in, resolved scenes or canonical documents out. No OpenCL here."""
 
-import pickle
 import sys
 import time
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from conicoid.canonical import canonical_bytes, quadrics_hash, view_hash
-from conicoid.document import Document, parse, parse_quadrics, read_npz
+from conicoid.canonical import canonical_batch_bytes, canonical_bytes, quadrics_hash, view_hash
+from conicoid.document import Batch, Document, parse, parse_batch, parse_quadrics, read_npz
 from conicoid.errors import LimitError
-from conicoid.scene import Quadrics
+from conicoid.quadrics_file import quadrics_bytes, quadrics_from
+from conicoid.scene import Quadrics, Scene
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.errors import MultipartError
 from conicoid_service.multipart import REMEDY, parts_of
+from conicoid_service.views import view_line
 from conicoid_service.worker import Handler, Reply, serve
 
 _LONGEST_ID: Final = 100  # of the ids that a body may name; no id is as long
@@ -29,21 +31,29 @@ def start(_: Message) -> tuple[Handler, Message]:
 def handle(message: Message, blobs: list[Blob]) -> Reply:
     """Answer with what `message["do"]` names, for the body in the first blob.
 
-    `read`: `scene_hash` and `quadrics_hash`, with the pickled camera and output, and the pickled quadrics.
+    `read`: `scene_hash` and `quadrics_hash`, with the view's line, and the quadrics.
+    `batch`: the number of `frames` and `quadrics_hash`, with a line for each view, and the quadrics.
     `canonical`: the canonical document; kept quadrics that it needs are in the message's second blob.
-    `keep`: `quadrics_hash` and the number of `quadrics`, with the pickled quadrics.
+    `keep`: `quadrics_hash` and the number of `quadrics`, with the quadrics.
 
     Kept quadrics that a body names and the message has not are asked for by `scene`, their id, in the reply.
     """
     started = time.perf_counter()
     limits, kept = message["limits"], blobs[1:]
     text, arrays = text_and_arrays(blobs[0], message["boundary"], limits["bytes of arrays"])
+    answer: Callable[[], Reply]
     if message["do"] == "keep":
         answer = partial(_keep, parse_quadrics(text, arrays, most_quadrics=limits["quadrics"]))
-    else:
+    elif message["do"] == "read":
         document = parse(text, arrays, most_quadrics=limits["quadrics"])
-        check_limits(document, limits)
-        answer = partial(_canonical, document, kept) if message["do"] == "canonical" else partial(_read, document)
+        check_limits(limits, quadrics=document.quadric_count, pixels=document.pixel_count)
+        answer = partial(_read, document)
+    else:
+        batch = parse_batch(text, arrays, most_quadrics=limits["quadrics"])
+        pixels = batch.pixel_counts
+        check_limits(limits, quadrics=batch.quadric_count, pixels=int(pixels.max()), frames=len(pixels))
+        check_limits(limits, **{"pixels of a job": int(pixels.sum())})
+        answer = partial(_canonical, batch, kept) if message["do"] == "canonical" else partial(_batch, batch)
     parsed = time.perf_counter()
     reply, results = answer()
     reply["timings_ms"] = {"parse": (parsed - started) * 1e3, "setup": (time.perf_counter() - parsed) * 1e3}
@@ -70,41 +80,55 @@ def text_and_arrays(body: Blob, boundary: str | None, most_bytes: int) -> tuple[
 def _read(document: Document) -> Reply:
     if document.scene is None:
         scene = document.resolve()
-        quadrics, own = quadrics_hash(scene.quadrics), [_pickled(scene.quadrics)]
+        quadrics, own = quadrics_hash(scene.quadrics), [Blob.of(quadrics_bytes(scene.quadrics))]
         asked, view = {}, (scene.camera, scene.output)
     else:
         quadrics, own = document.scene[:_LONGEST_ID], []
         asked, view = {"scene": quadrics}, document.view()
     reply = {"scene_hash": view_hash(quadrics, *view), "quadrics_hash": quadrics}
-    return reply | asked, [_pickled(view), *own]
+    return reply | asked, [Blob.of(view_line(quadrics, *view)), *own]
 
 
-def _canonical(document: Document, kept: list[Blob]) -> Reply:
-    if document.scene is not None and not kept:
-        return {"scene": document.scene[:_LONGEST_ID]}, []
-    quadrics = pickle.loads(kept[0].read()) if kept else None  # noqa: S301  # written by this process
-    return {}, [Blob.of(canonical_bytes(document.resolve(quadrics)))]
+def _batch(batch: Batch) -> Reply:
+    if batch.scene is None:
+        quadrics = batch.resolve_quadrics()
+        hashed, own, asked = quadrics_hash(quadrics), [Blob.of(quadrics_bytes(quadrics))], {}
+    else:
+        hashed, own, asked = batch.scene[:_LONGEST_ID], [], {"scene": batch.scene[:_LONGEST_ID]}
+    cameras, output = batch.views()
+    views = Blob()
+    with views.buffered() as stream:
+        for camera in cameras:
+            stream.write(view_line(hashed, camera, output))
+    return {"frames": len(cameras), "quadrics_hash": hashed, **asked}, [views, *own]
+
+
+def _canonical(batch: Batch, kept: list[Blob]) -> Reply:
+    if batch.scene is not None and not kept:
+        return {"scene": batch.scene[:_LONGEST_ID]}, []
+    quadrics = quadrics_from(kept[0].read()) if kept else batch.resolve_quadrics()
+    cameras, output = batch.views()
+    text = (
+        canonical_batch_bytes(quadrics, cameras, output)
+        if batch.is_list
+        else canonical_bytes(Scene(quadrics, cameras[0], output))
+    )
+    return {}, [Blob.of(text)]
 
 
 def _keep(quadrics: Quadrics) -> Reply:
-    return {"quadrics_hash": quadrics_hash(quadrics), "quadrics": len(quadrics)}, [_pickled(quadrics)]
+    return {"quadrics_hash": quadrics_hash(quadrics), "quadrics": len(quadrics)}, [Blob.of(quadrics_bytes(quadrics))]
 
 
-def _pickled(value: Any) -> Blob:
-    blob = Blob()
-    pickle.dump(value, blob.file, protocol=pickle.HIGHEST_PROTOCOL)
-    return blob
-
-
-def check_limits(document: Document, limits: dict[str, int]) -> None:
+def check_limits(limits: dict[str, int], **asked: int) -> None:
     """Refuse a document that asks for more than the limits, before arrays or pixels are allocated for it.
 
     Raises:
         LimitError: with the limit and the cost asked.
     """
-    for what, asked in (("quadrics", document.quadric_count), ("pixels", document.pixel_count)):
-        if asked > limits[what]:
-            raise LimitError(what, limits[what], asked)
+    for what, count in asked.items():
+        if count > limits[what]:
+            raise LimitError(what, limits[what], count)
 
 
 if __name__ == "__main__":

@@ -83,6 +83,56 @@ class StoppingError(ServiceError):
     retry_after_s = 5
 
 
+class UnknownJobError(ServiceError):
+    """There is no such job: there never was, its time is over, or it is another owner's."""
+
+    code = "unknown-job"
+
+
+class FrameNotReadyError(ServiceError):
+    """The frame has no image: it waits, is being rendered, was cancelled, or the job has no frame of that number."""
+
+    code = "frame-not-ready"
+
+
+class FrameFailedError(ServiceError):
+    """The frame has no image and will have none."""
+
+    code = "frame-failed"
+
+
+class IdempotencyKeyError(ServiceError):
+    """The `Idempotency-Key` is no key, or was used for another job."""
+
+    code = "idempotency-key"
+
+
+class JobLimitError(ServiceError):
+    """The owner has too many frames that have not ended."""
+
+    code = "job-limit"
+    retry_after_s = 10
+
+
+class StorageError(ServiceError):
+    """The disk does not take what has to be kept, for now."""
+
+    code = "storage"
+    retry_after_s = 10
+
+
+class NoJobsError(ServiceError):
+    """This service has no job store: the command runs it for one render."""
+
+    code = "no-jobs"
+
+
+class StoreError(ServiceError):
+    """The job store cannot be opened; raised at start, never sent over HTTP."""
+
+    code = "store"
+
+
 class SettingsError(ServiceError):
     """A setting in the environment is not usable; raised at start, never sent over HTTP."""
 

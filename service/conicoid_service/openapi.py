@@ -11,8 +11,9 @@ from fastapi.openapi.utils import get_openapi
 from conicoid_service.problems import MEDIA_TYPE
 from conicoid_service.responses import EXR_TYPE
 
-_SCENE: Final = {"$ref": "#/components/schemas/Scene"}
-_TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
+EXR_CONTENT: Final = {EXR_TYPE: {"schema": {"type": "string", "format": "binary"}}}
+SCENE: Final = {"$ref": "#/components/schemas/Scene"}
+TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
 _PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
 _QUADRICS: Final = {
     "type": "object",
@@ -35,7 +36,7 @@ _KEPT: Final = {
 }
 
 
-def _body(document: dict[str, Any]) -> dict[str, Any]:
+def body_docs(document: dict[str, Any]) -> dict[str, Any]:
     """The request's body: a document, alone or with arrays."""
     about_arrays = 'an .npz file of the arrays that the document\'s sets name as "@name"'
     parts = {
@@ -52,7 +53,7 @@ def _body(document: dict[str, Any]) -> dict[str, Any]:
     return {"requestBody": {"required": True, "content": content}}
 
 
-_IF_NONE_MATCH: Final = {
+IF_NONE_MATCH: Final = {
     "name": "If-None-Match",
     "in": "header",
     "required": False,
@@ -62,7 +63,7 @@ _IF_NONE_MATCH: Final = {
 
 _DESCRIPTIONS: Final = {
     400: "Not HTTP, JSON, multipart or .npz as it should be",
-    404: "No scene is kept under this id",
+    404: "There is no such job, frame or kept scene",
     413: "More bytes, quadrics or pixels than a limit allows",
     415: "Not `application/json` or `multipart/form-data`, or compressed",
     422: "The scene document breaks a rule; `errors` names each place",
@@ -70,6 +71,7 @@ _DESCRIPTIONS: Final = {
     500: "A defect, or the render process died with the request in it, twice",
     503: "No device, or starting, or shutting down",
     504: "The deadline passed",
+    507: "The disk is full or not writable; try again after `Retry-After` seconds",
 }
 
 PROBLEM_SCHEMA: Final[dict[str, Any]] = {
@@ -109,10 +111,10 @@ RENDER_DOCS: Final[dict[str, Any]] = {
     "responses": {
         200: {
             "description": "The image",
-            "content": {EXR_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+            "content": EXR_CONTENT,
             "headers": {
                 "ETag": {"description": "strong: names these bytes", "schema": {"type": "string"}},
-                "Server-Timing": _TIMING,
+                "Server-Timing": TIMING,
                 "Conicoid-Refined": {
                     "description": "pixels rounded in double-double",
                     "schema": {"type": "integer"},
@@ -127,29 +129,29 @@ RENDER_DOCS: Final[dict[str, Any]] = {
         304: {"description": "The client has this image already"},
         **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": {**_body(_SCENE), "parameters": [_IF_NONE_MATCH]},
+    "openapi_extra": {**body_docs(SCENE), "parameters": [IF_NONE_MATCH]},
 }
 CANONICAL_DOCS: Final[dict[str, Any]] = {
     "responses": {
         200: {
             "description": "The canonical document",
-            "content": {"application/json": {"schema": _SCENE}},
-            "headers": {"Server-Timing": _TIMING},
+            "content": {"application/json": {"schema": SCENE}},
+            "headers": {"Server-Timing": TIMING},
         },
         **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": _body(_SCENE),
+    "openapi_extra": body_docs(SCENE),
 }
 KEEP_DOCS: Final[dict[str, Any]] = {
     "responses": {
         201: {
             "description": "The scene is kept",
             "content": {"application/json": {"schema": _KEPT}},
-            "headers": {"Location": {"schema": {"type": "string"}}, "Server-Timing": _TIMING},
+            "headers": {"Location": {"schema": {"type": "string"}}, "Server-Timing": TIMING},
         },
         **problems(400, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": _body(_QUADRICS),
+    "openapi_extra": body_docs(_QUADRICS),
 }
 DROP_DOCS: Final[dict[str, Any]] = {"responses": problems(404)}
 KEPT_DOCS: Final[dict[str, Any]] = {
@@ -165,9 +167,10 @@ READY_DOCS: Final[dict[str, Any]] = {"responses": problems(503)}
 def describe(app: FastAPI) -> dict[str, Any]:
     """The application's OpenAPI document, with the schemas of scenes and problems."""
     from conicoid.schema import json_schema  # loads NumPy, which no other answer of this process needs
+    from conicoid_service.job_openapi import SCHEMAS
 
     document = get_openapi(
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=app.openapi_tags
     )
-    document.setdefault("components", {})["schemas"] = {"Problem": PROBLEM_SCHEMA, "Scene": json_schema()}
+    document.setdefault("components", {})["schemas"] = {"Problem": PROBLEM_SCHEMA, "Scene": json_schema(), **SCHEMAS}
     return document

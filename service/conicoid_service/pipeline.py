@@ -15,7 +15,7 @@ from conicoid_service.blob import Blob
 from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
 from conicoid_service.errors import NotReadyError, UnknownSceneError
-from conicoid_service.images import Image, Images
+from conicoid_service.images import Image
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
 from conicoid_service.settings import Settings
 from conicoid_service.supervisor import Answer, Supervisor
@@ -39,16 +39,39 @@ class ReadScene:
     """A document that has been read, for the render process.
 
     Attributes:
-        view: camera and output, pickled.
-        quadrics: the quadrics, pickled; whoever has finished with the two closes them.
+        view: camera and output, see `views`.
+        quadrics: the quadrics, see `conicoid.quadrics_file`; whoever has finished with the two closes them.
         kept: whether the document only names them.
         scene_hash, quadrics_hash: as in `conicoid.canonical`.
+        stored: whether the quadrics were on the disk, which may damage them.
     """
 
     view: Blob
     quadrics: Blob
     kept: bool
     scene_hash: str
+    quadrics_hash: str
+    timings: Timings = field(repr=False)
+    stored: bool = False
+
+    def shared(self) -> "ReadScene":
+        """The same scene for another holder."""
+        return replace(self, view=self.view.shared(), quadrics=self.quadrics.shared())
+
+
+@dataclass(frozen=True)
+class ReadBatch:
+    """A document of one or many cameras that has been read.
+
+    Attributes:
+        views: of each frame camera, output and scene hash, a line of JSON.
+        quadrics: the quadrics; whoever has finished with the two closes them.
+        frames: how many there are.
+    """
+
+    views: Blob
+    quadrics: Blob
+    frames: int
     quadrics_hash: str
     timings: Timings = field(repr=False)
 
@@ -63,6 +86,8 @@ class Pipeline:
             "quadrics": settings.quadric_limit,
             "pixels": settings.pixel_limit,
             "bytes of arrays": settings.body_limit,
+            "frames": settings.frame_limit,
+            "pixels of a job": settings.job_pixel_limit,
         }
         supervised = partial(
             Supervisor,
@@ -71,7 +96,7 @@ class Pipeline:
             start_deadline_s=settings.start_deadline_s,
         )
         device = {"device": settings.device, "threads": settings.threads, "cache_dir": str(settings.cache_dir)}
-        self.kept, self.images = KeptScenes(settings.kept_limit), Images(settings.image_cache_limit)
+        self.kept = KeptScenes(settings.kept_limit)
         self._documents = supervised("document", commands.document, {})
         self._renders = supervised("render", commands.render, device)
 
@@ -87,7 +112,6 @@ class Pipeline:
         """End both children and give up what is kept."""
         await asyncio.gather(asyncio.to_thread(self._documents.stop), asyncio.to_thread(self._renders.stop))
         self.kept.close()
-        self.images.close()
 
     def check_ready(self) -> None:
         """Return if both children are alive and warm.
@@ -144,9 +168,21 @@ class Pipeline:
             raise
         return ReadScene(view, quadrics, not own, *hashes, _timings(answer))
 
-    async def render(self, read: ReadScene) -> tuple[Image, Timings]:
+    async def read_batch(self, body: Body) -> ReadBatch:
+        """Read a document with `camera` or `cameras`; otherwise as `read`."""
+        answer = await self._ask("batch", body)
+        views, *own = answer.blobs
+        try:
+            quadrics = own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
+        except UnknownSceneError:
+            views.close()
+            raise
+        message = answer.message
+        return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], _timings(answer))
+
+    async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:  # noqa: ARG002
         """The EXR image of a scene. Takes the scene over; the caller closes the image."""
-        message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash}
+        message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash, "stored": read.stored}
         answer = await self._renders.call(message, [read.view, read.quadrics])
         escalated = answer.message["refined"], answer.message["settled"]
         return Image(answer.blobs[0], read.scene_hash, *escalated), _timings(answer)

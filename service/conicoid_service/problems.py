@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 import orjson
+from fastapi.exceptions import RequestValidationError
 from starlette.responses import Response
 
 from conicoid.errors import ConicoidError, LimitError, SceneError
@@ -19,11 +20,18 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "multipart": (400, "Body is not as its type says"),
     "not-found": (404, "Not found"),
     "unknown-scene": (404, "Scene not kept"),
+    "unknown-job": (404, "No such job"),
+    "frame-not-ready": (404, "Frame not there"),
+    "frame-failed": (404, "Frame failed"),
     "method-not-allowed": (405, "Method not allowed"),
     "limit": (413, "Too much work"),
     "media-type": (415, "Unsupported media type"),
     "content-encoding": (415, "Unsupported content encoding"),
+    "parameter": (422, "Path or query unusable"),
+    "idempotency-key": (422, "Idempotency key unusable"),
+    "job-limit": (429, "Too many frames"),
     "queue-full": (429, "Too many requests"),
+    "quadrics-file": (500, "Stored quadrics damaged"),
     "error": (500, "Internal error"),
     "internal": (500, "Internal error"),
     "render-crashed": (500, "Render process crashed"),
@@ -32,7 +40,9 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "kernel-build": (503, "Kernels do not build"),
     "not-ready": (503, "Not ready"),
     "stopping": (503, "Shutting down"),
+    "no-jobs": (503, "No jobs here"),
     "render-timeout": (504, "Deadline passed"),
+    "storage": (507, "Disk full or not writable"),
 }
 SCENE: Final = (422, "Invalid scene document")
 
@@ -57,6 +67,16 @@ def problem(error: ConicoidError, headers: Mapping[str, str] | None = None) -> R
 def http_problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
     """The response for an error of HTTP itself: no such route, a method that the route does not have."""
     return _response(_CODE_OF_STATUS.get(status, "bad-request"), {"detail": detail}, headers, status)
+
+
+def parameter_problem(error: RequestValidationError) -> Response:
+    """The response for a path or query that is not as it should be; what was given is not repeated."""
+    errors = [
+        {"pointer": ".".join(map(str, one["loc"])), "message": str(one["msg"]), "code": "parameter"}
+        for one in error.errors()
+    ]
+    detail = _summary(len(errors), f"{errors[0]['pointer']}: {errors[0]['message']}")
+    return _response("parameter", {"detail": detail, "errors": errors}, None)
 
 
 def internal_problem() -> Response:

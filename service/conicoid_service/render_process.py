@@ -1,16 +1,19 @@
 """The render process: the only one that loads OpenCL, which may end it at any time."""
 
 import os
-import pickle
 import sys
 import time
 
+from conicoid.canonical import quadrics_hash
+from conicoid.errors import QuadricsFileError
+from conicoid.quadrics_file import quadrics_from
 from conicoid.scene import Quadrics, Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.cpus import usable_cpus
 from conicoid_service.kernel_cache import take_slot
+from conicoid_service.views import view_from
 from conicoid_service.worker import Handler, Reply, serve
 
 
@@ -21,12 +24,18 @@ class LastQuadrics:
         self._hash = ""
         self._quadrics: Quadrics | None = None
 
-    def quadrics(self, quadrics_hash: str, blob: Blob) -> Quadrics:
-        """The quadrics in a blob, which is read only if they are others than last time."""
-        if self._quadrics is None or self._hash != quadrics_hash:
+    def quadrics(self, hashed: str, blob: Blob, *, stored: bool) -> Quadrics:
+        """The quadrics in a blob, which is read only if they are others than last time.
+
+        Raises:
+            QuadricsFileError: the disk, where they were `stored`, has damaged them.
+        """
+        if self._quadrics is None or self._hash != hashed:
             self._quadrics = None  # before the others take their room
-            self._quadrics = pickle.loads(blob.read())  # noqa: S301  # written by the document process
-            self._hash = quadrics_hash
+            quadrics = quadrics_from(blob.read())
+            if stored and quadrics_hash(quadrics) != hashed:
+                raise QuadricsFileError("the quadrics of the job were damaged on the disk; submit it again")
+            self._quadrics, self._hash = quadrics, hashed
         return self._quadrics
 
 
@@ -49,8 +58,8 @@ def start(configuration: Message) -> tuple[Handler, Message]:
 
     def render(message: Message, blobs: list[Blob]) -> Reply:
         view, quadrics = blobs
-        camera, output = pickle.loads(view.read())  # noqa: S301  # written by the document process
-        scene = Scene(last.quadrics(message["quadrics_hash"], quadrics), camera, output)
+        stored = message["stored"]
+        scene = Scene(last.quadrics(message["quadrics_hash"], quadrics, stored=stored), *view_from(view.read()))
         frame = renderer.render(scene)
         started = time.perf_counter()
         image = Blob()

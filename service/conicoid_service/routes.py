@@ -1,5 +1,6 @@
 """What the service does for scenes: render, canonical form, keep; and what it does it with."""
 
+from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, Final
 
@@ -9,7 +10,8 @@ from conicoid import __version__
 from conicoid_service.bodies import Body, receive
 from conicoid_service.disconnects import while_connected
 from conicoid_service.entity_tags import entity_tag, matches
-from conicoid_service.images import Image, Images
+from conicoid_service.gallery import Gallery, Shown
+from conicoid_service.job_routes import owner_of, submitted
 from conicoid_service.kept_scenes import KeptScene
 from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, DROP_DOCS, KEEP_DOCS, KEPT_DOCS, RENDER_DOCS
 from conicoid_service.pipeline import Pipeline, Timings
@@ -36,45 +38,62 @@ async def render(request: Request) -> Response:
     Of the pixels that binary64 could not certify, `Conicoid-Refined` counts those that double-double rounded,
     `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
+    if _wants_job(request):
+        return await submitted(request, {"Preference-Applied": "respond-async"})
     settings, pipeline = _parts(request)
     body = await receive(request, settings.body_limit)
-    return await while_connected(request, _render(pipeline, body, request.headers.get("if-none-match")))
+    asked = _Asked(request.headers.get("if-none-match"), owner_of(request))
+    return await while_connected(request, _render(pipeline, request.app.state.gallery, body, asked))
 
 
-async def _render(pipeline: Pipeline, body: Body, if_none_match: str | None) -> Response:
-    known = pipeline.images.tag_of(body.digest)
-    if known and (response := _at_hand(pipeline.images, known, if_none_match, _UNREAD)):
+@dataclass(frozen=True)
+class _Asked:
+    """What a request says beside its body."""
+
+    if_none_match: str | None
+    owner: str
+
+
+async def _render(pipeline: Pipeline, gallery: Gallery, body: Body, asked: _Asked) -> Response:
+    known = gallery.images.tag_of(body.digest)
+    if known and (response := await _at_hand(gallery, known, asked, _UNREAD)):
         body.blob.close()
         return response
     read = await pipeline.read(body)
     with read.view, read.quadrics:
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
         if not read.kept:  # else the body says too little: what it names may be dropped
-            pipeline.images.note(body.digest, tag)
-        if response := _at_hand(pipeline.images, tag, if_none_match, read.timings):
+            gallery.images.note(body.digest, tag)
+        if response := await _at_hand(gallery, tag, asked, read.timings):
             return response
-        image, timings = await pipeline.render(read)
-    pipeline.images.keep(tag, image)
-    return _image(image, tag, read.timings, timings)
+        shown = await gallery.show(tag, read, owner=asked.owner)
+    return _image(shown, tag, read.timings)
 
 
-def _at_hand(images: Images, tag: str, if_none_match: str | None, timings: Timings) -> Response | None:
+async def _at_hand(gallery: Gallery, tag: str, asked: _Asked, timings: Timings) -> Response | None:
     """The answer without rendering: 304 if the client has the image, the image if the service has it still."""
-    if matches(if_none_match, tag):
+    if matches(asked.if_none_match, tag):
         return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(timings)})
-    image = images.get(tag)
-    return None if image is None else _image(image, tag, timings, _UNDRAWN)
+    shown = await gallery.at_hand(tag)
+    return None if shown is None else _image(shown, tag, timings)
 
 
-def _image(image: Image, tag: str, *timings: Timings) -> Response:
+def _image(shown: Shown, tag: str, timings: Timings) -> Response:
+    image = shown.image
     headers = {
         "ETag": tag,
-        "Server-Timing": server_timing(*timings),
+        "Server-Timing": server_timing(timings, shown.timings or _UNDRAWN),
         "Conicoid-Refined": str(image.refined),
         "Conicoid-Settled": str(image.settled),
         "Content-Disposition": f'attachment; filename="conicoid-{image.scene_hash[:12]}.exr"',
     }
     return BlobResponse(image.blob, headers, EXR_TYPE)
+
+
+def _wants_job(request: Request) -> bool:
+    """Whether `Prefer` (RFC 7240) asks for an answer before the image is there."""
+    preferences = ",".join(request.headers.getlist("prefer")).split(",")
+    return "respond-async" in {one.partition(";")[0].strip().lower() for one in preferences}
 
 
 @router.post("/canonical", response_class=Response, **CANONICAL_DOCS)

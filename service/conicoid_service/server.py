@@ -1,9 +1,11 @@
 """Serving the application over HTTP."""
 
+import asyncio
 import signal
 import socket
 import threading
 
+from conicoid_service.errors import StoreError
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings
 
@@ -31,6 +33,7 @@ def serve(
         Whether the service came up at all.
     Raises:
         SettingsError: the environment's settings are unusable.
+        StoreError: the job store cannot be opened.
         SystemExit: the address cannot be bound.
     """
     settings = settings or Settings.from_environment()
@@ -40,16 +43,30 @@ def serve(
     import uvicorn
 
     from conicoid_service.app import create_app
+    from conicoid_service.jobs.disk import Disk
 
+    try:
+        disk = Disk(settings)
+    except StoreError:
+        asyncio.run(pipeline.stop())
+        raise
+    app = create_app(settings, pipeline, disk=disk)
     config = uvicorn.Config(
-        create_app(settings, pipeline),
+        app,
         host=host,
         port=port,
         log_level=log_level,
         timeout_graceful_shutdown=GRACE_S,
         server_header=False,
     )
-    server = uvicorn.Server(config)
+
+    class Server(uvicorn.Server):
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            """Wait for requests under way, but not for those that only watch a job."""
+            app.state.jobs.drain()
+            await super().shutdown(sockets)
+
+    server = Server(config)
     if threading.current_thread() is threading.main_thread():
         # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.
         for ending in (signal.SIGINT, signal.SIGTERM):

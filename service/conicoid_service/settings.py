@@ -14,6 +14,11 @@ def _cache_dir() -> Path:
     return Path(base) / "conicoid"
 
 
+def _data_dir() -> Path:
+    base = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(base) / "conicoid"
+
+
 def _about(kind: Callable[[str], Any], meaning: str, at_least: float | None = None) -> dict[str, Any]:
     return {"kind": kind, "meaning": meaning, "at_least": at_least}
 
@@ -33,6 +38,14 @@ class Settings:
     device: str = field(default="", metadata=_about(str, "words of the OpenCL platform's and device's names"))
     threads: int = field(default=0, metadata=_about(int, "threads that render; 0 means one per usable CPU", 0))
     cache_dir: Path = field(default_factory=_cache_dir, metadata=_about(Path, "folder for compiled kernels"))
+
+    render_processes: int = field(default=1, metadata=_about(int, "render processes", 1))
+    data_dir: Path = field(default_factory=_data_dir, metadata=_about(Path, "folder for jobs and their images"))
+    store_limit: int = field(default=16 * 2**30, metadata=_about(int, "bytes of images on the disk", 0))
+    result_lifetime_s: float = field(default=7 * 86400.0, metadata=_about(float, "seconds that ended jobs are kept", 1))
+    frame_limit: int = field(default=10_000, metadata=_about(int, "frames in a job", 1))
+    job_pixel_limit: int = field(default=10**11, metadata=_about(int, "pixels rendered in all frames of a job", 1))
+    owner_frame_limit: int = field(default=100_000, metadata=_about(int, "frames of one owner that have not ended", 1))
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Self:

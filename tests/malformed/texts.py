@@ -75,7 +75,6 @@ CASES = [
         "scene-duplicate-key",
         False,
     ),
-    Case("batch of cameras", b'{"conicoid": 1, "quadrics": [], "cameras": []}', "cameras", "scene-unsupported"),
     Case("quadrics beside a kept scene", document(rest=', "scene": "a1"'), "scene", "scene-conflict"),
     Case("kept scene a number", document(rest=', "scene": 1').replace(b'"quadrics": [], ', b""), "scene", "scene-type"),
     Case("kept scene null", document(rest=', "scene": null').replace(b'"quadrics": [], ', b""), "scene", "scene-type"),

@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ SCENE: dict[str, Any] = {
     "quadrics": [{"shape": "sphere", "center": [0, 0, -3]}],
     "camera": {"width": 40, "height": 30, "fov_y": 60},
 }
+_IDS = count(2)
 
 
 def uncached(**changes: Any) -> Settings:
@@ -29,9 +31,14 @@ def uncached(**changes: Any) -> Settings:
     return Settings(image_cache_limit=0, **changes)
 
 
-def named(name: str) -> dict[str, Any]:
-    """The scene with a name that tells the fake render process what to do."""
+def renamed(name: str) -> dict[str, Any]:
+    """The scene with a name, which is no part of its image."""
     return SCENE | {"quadrics": [{"shape": "sphere", "center": [0, 0, -3], "name": name}]}
+
+
+def named(name: str) -> dict[str, Any]:
+    """A scene like no other, with a name that tells the fake render process what to do."""
+    return SCENE | {"quadrics": [{"shape": "sphere", "center": [0, 0, -3], "name": name, "id": next(_IDS)}]}
 
 
 @asynccontextmanager

@@ -1,15 +1,16 @@
 """A render process without OpenCL: arbitrary planes for any scene; a quadric's name asks for a fault."""
 
 import os
-import pickle
 import sys
 import time
 from pathlib import Path
 
+from conicoid.quadrics_file import quadrics_from
 from conicoid.scene import Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
+from conicoid_service.views import view_from
 from conicoid_service.worker import Handler, Reply, serve
 from tests.service.scenes import frame
 
@@ -21,8 +22,8 @@ def start(_: Message) -> tuple[Handler, Message]:
 
 
 def handle(message: Message, blobs: list[Blob]) -> Reply:
-    view, quadrics = (pickle.loads(blob.read()) for blob in blobs)
-    scene = Scene(quadrics, *view)
+    view, quadrics = blobs
+    scene = Scene(quadrics_from(quadrics.read()), *view_from(view.read()))
     words = scene.quadrics.name.get(0, "").split()
     match words:
         case ["abort"]:

@@ -95,7 +95,7 @@ async def test_while_a_render_runs_documents_are_still_read_and_known_images_sti
 async def test_a_full_queue_answers_429_and_when_to_come_back(tmp_path: Path) -> None:
     async with serving(uncached(queue_length=1), FAKE) as client:
         await client.get("/v1/device")
-        scenes = [named(f"until {tmp_path / 'go'}")] * 2
+        scenes = [named(f"until {tmp_path / 'go'}") for _ in range(2)]
         held = []
         for scene in scenes:  # one after the other: they also pass the queue of the document process
             held.append(asyncio.create_task(client.post("/v1/render", json=scene)))

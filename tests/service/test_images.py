@@ -18,7 +18,7 @@ from conicoid_service.images import MOST_BODIES, Image, Images
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
 from conicoid_service.recent import MOST
 from conicoid_service.settings import Settings
-from tests.service.conftest import FAKE, SCENE, named, serving, uncached
+from tests.service.conftest import FAKE, SCENE, named, renamed, serving, uncached
 from tests.service.test_http import assert_problem
 from tests.service.test_kept_scenes import QUADRICS, VIEW, kept
 
@@ -62,7 +62,7 @@ async def test_the_same_request_is_answered_with_the_same_bytes_and_headers(
 
 async def test_another_document_of_the_same_image_is_read_but_not_rendered(caching: httpx.AsyncClient) -> None:
     first = await caching.post("/v1/render", json=SCENE)
-    again = await caching.post("/v1/render", json=named("abort"))  # names are no part of an image
+    again = await caching.post("/v1/render", json=renamed("abort"))
     assert again.content == first.content
     assert stages(again)["parse"] > 0 == stages(again)["cast"] == stages(again)["encode"]
 
@@ -96,7 +96,7 @@ async def test_an_image_is_sent_again_when_no_process_can_be_started_any_more(tm
         dead = sized(50) | {"quadrics": named("abort")["quadrics"]}
         assert (await client.post("/v1/render", json=dead)).status_code in (500, 503)
         assert (await client.post("/v1/render", json=sized(60))).status_code == 503
-        for body in (SCENE, named("another document")):
+        for body in (SCENE, renamed("another document")):
             again = await client.post("/v1/render", json=body)
             assert (again.status_code, again.content) == (200, first.content)
         told = await client.post("/v1/render", json=SCENE, headers={"If-None-Match": first.headers["etag"]})

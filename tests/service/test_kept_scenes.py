@@ -173,7 +173,7 @@ async def test_kept_scenes_outlive_the_processes_that_use_them(search_path: None
 
 
 def test_a_long_id_does_not_reach_the_process_that_speaks_http() -> None:
-    limits = {"quadrics": 1, "pixels": 10_000, "bytes of arrays": 1}
+    limits = {"quadrics": 1, "pixels": 10_000, "bytes of arrays": 1, "frames": 1, "pixels of a job": 10_000}
     for do in ("read", "canonical"):
         with Blob.of(json.dumps(VIEW | {"scene": "x" * 1_000_000}).encode()) as body:
             reply, blobs = document_process.handle({"do": do, "limits": limits, "boundary": None}, [body])

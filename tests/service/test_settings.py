@@ -35,10 +35,17 @@ def test_every_setting_is_read_from_its_variable() -> None:
         "CONICOID_DEVICE": "PoCL 3.1",
         "CONICOID_THREADS": "7",
         "CONICOID_CACHE_DIR": "/var/cache/x",
+        "CONICOID_RENDER_PROCESSES": "8",
+        "CONICOID_DATA_DIR": "/var/lib/x",
+        "CONICOID_STORE_LIMIT": "9",
+        "CONICOID_RESULT_LIFETIME_S": "3.5",
+        "CONICOID_FRAME_LIMIT": "10",
+        "CONICOID_JOB_PIXEL_LIMIT": "11",
+        "CONICOID_OWNER_FRAME_LIMIT": "12",
     }
     assert values.keys() == {variable(one.name) for one in fields(Settings)}
     assert Settings.from_environment(values) == Settings(
-        1000, 2, 3, 4, 5, 0, 1.5, 2.5, "PoCL 3.1", 7, Path("/var/cache/x")
+        1000, 2, 3, 4, 5, 0, 1.5, 2.5, "PoCL 3.1", 7, Path("/var/cache/x"), 8, Path("/var/lib/x"), 9, 3.5, 10, 11, 12
     )
 
 
@@ -72,6 +79,8 @@ def test_every_setting_is_documented_with_its_default() -> None:
     documented = {name: default.strip().replace(",", "") for name, default in rows}
     expected = {variable(one.name): str(getattr(Settings(), one.name)) for one in fields(Settings)}
     expected["CONICOID_CACHE_DIR"] = "~/.cache/conicoid"
+    expected["CONICOID_DATA_DIR"] = "~/.local/state/conicoid"
+    expected["CONICOID_RESULT_LIFETIME_S"] = "604800"
     expected["CONICOID_DEVICE"] = "any"
     expected["CONICOID_DEADLINE_S"] = "60"
     expected["CONICOID_START_DEADLINE_S"] = "120"

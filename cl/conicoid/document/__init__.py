@@ -5,7 +5,7 @@ may say, made of `kinds`, `numeric`, `records` and `variants`, which also give t
 derive a scene's numbers; `npz` reads the arrays that come beside it, `references` and `sets` put them in place.
 """
 
-from conicoid.document.document import Document, parse, parse_quadrics
+from conicoid.document.document import Batch, Document, parse, parse_batch, parse_quadrics
 from conicoid.document.npz import read_npz
 
-__all__ = ["Document", "parse", "parse_quadrics", "read_npz"]
+__all__ = ["Batch", "Document", "parse", "parse_batch", "parse_quadrics", "read_npz"]

@@ -1,7 +1,12 @@
 """A scene document, from bytes to a resolved scene."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from conicoid.collector import paused_collector
 from conicoid.document.camera import resolve_cameras
@@ -10,7 +15,7 @@ from conicoid.document.problems import Problems
 from conicoid.document.records import Record
 from conicoid.document.references import Arrays, explain_unused, refer
 from conicoid.document.resolve import resolve_output, resolve_quadrics
-from conicoid.document.scene_fields import KEPT, SCENE
+from conicoid.document.scene_fields import BATCH, KEPT, SCENE
 from conicoid.document.set_fields import MOST_ID
 from conicoid.document.variants import Group
 from conicoid.errors import Problem, SceneError
@@ -41,11 +46,7 @@ class Document:
     @property
     def pixel_count(self) -> int:
         """Pixels to be rendered: the crop's, or the whole image's."""
-        columns = self.camera.columns
-        if "crop" in columns:
-            x0, y0, x1, y1 = columns["crop"][0].tolist()
-            return int((x1 - x0) * (y1 - y0))
-        return int(columns["width"][0] * columns["height"][0])
+        return int(_pixel_counts(self.camera)[0])
 
     def view(self) -> tuple[Camera, Output]:
         """The camera and the output, with every number derived and every default filled in."""
@@ -61,6 +62,42 @@ class Document:
         return Scene(resolve_quadrics(self.quadrics) if kept is None else kept, *self.view())
 
 
+@dataclass(frozen=True)
+class Batch:
+    """A valid scene document of one camera or many, as columns.
+
+    Attributes:
+        quadrics, output, scene: as in `Document`.
+        cameras: in groups of one projection and the same keys.
+        is_list: whether the document gives `cameras`.
+    """
+
+    quadrics: list[Group]
+    cameras: list[Group]
+    output: dict[str, Any]
+    scene: str | None
+    is_list: bool
+
+    @property
+    def quadric_count(self) -> int:
+        """Quadrics to be rendered."""
+        return sum(map(len, self.quadrics))
+
+    @property
+    def pixel_counts(self) -> NDArray[np.int64]:
+        """(n,) pixels to be rendered in each frame, in no order."""
+        return np.concatenate([_pixel_counts(group) for group in self.cameras])
+
+    def views(self) -> tuple[list[Camera], Output]:
+        """The cameras of all frames, in order, and the output that they share."""
+        numbered = [pair for group in self.cameras for pair in zip(group.index, resolve_cameras(group), strict=True)]
+        return [camera for _, camera in sorted(numbered, key=itemgetter(0))], resolve_output(self.output)
+
+    def resolve_quadrics(self) -> Quadrics:
+        """The document's own quadrics with every number derived and every default filled in."""
+        return resolve_quadrics(self.quadrics)
+
+
 def parse(body: bytes, arrays: Arrays | None = None, *, most_quadrics: int = MOST_ID) -> Document:
     """Read and check a scene document.
 
@@ -73,10 +110,23 @@ def parse(body: bytes, arrays: Arrays | None = None, *, most_quadrics: int = MOS
         SceneError: it breaks the format; with everything found wrong, up to `problems.MOST_PROBLEMS`.
         LimitError: it has more than `most_quadrics`, which is refused before their values are looked at.
     """
-    columns = _checked(SCENE, body, arrays, most_quadrics)
+    columns = _checked(lambda _: SCENE, body, arrays, most_quadrics)
     (camera,) = columns["camera"]
     (scene,) = columns.get("scene", [None])
     return Document(columns.get("quadrics", []), camera, columns.get("output", {}), scene)
+
+
+def parse_batch(body: bytes, arrays: Arrays | None = None, *, most_quadrics: int = MOST_ID) -> Batch:
+    """Read and check a scene document that gives `camera` or `cameras`; see `parse`."""
+    columns = _checked(_one_or_many, body, arrays, most_quadrics)
+    (scene,) = columns.get("scene", [None])
+    is_list = "cameras" in columns
+    cameras = columns["cameras"] if is_list else columns["camera"]
+    return Batch(columns.get("quadrics", []), cameras, columns.get("output", {}), scene, is_list)
+
+
+def _one_or_many(tree: Any) -> Record:
+    return BATCH if isinstance(tree, dict) and "cameras" in tree else SCENE
 
 
 def parse_quadrics(body: bytes, arrays: Arrays | None = None, *, most_quadrics: int = MOST_ID) -> Quadrics:
@@ -84,11 +134,11 @@ def parse_quadrics(body: bytes, arrays: Arrays | None = None, *, most_quadrics: 
 
     A camera and an output are checked too where they are given.
     """
-    return resolve_quadrics(_checked(KEPT, body, arrays, most_quadrics)["quadrics"])
+    return resolve_quadrics(_checked(lambda _: KEPT, body, arrays, most_quadrics)["quadrics"])
 
 
-def _checked(record: Record, body: bytes, arrays: Arrays | None, most_quadrics: int) -> dict[str, Any]:
-    """The columns of a document that is right."""
+def _checked(record: Callable[[Any], Record], body: bytes, arrays: Arrays | None, most_quadrics: int) -> dict[str, Any]:
+    """The columns of a document that is right, by the record for its tree."""
     try:
         with paused_collector():
             return _read(record, body, arrays or {}, most_quadrics)
@@ -97,15 +147,16 @@ def _checked(record: Record, body: bytes, arrays: Arrays | None, most_quadrics: 
         raise SceneError([Problem("", message, "scene-json")]) from None
 
 
-def _read(record: Record, body: bytes, arrays: Arrays, most_quadrics: int) -> dict[str, Any]:
-    columns, _ = _columns(record, read_fast(body), arrays, most_quadrics)
+def _read(record: Callable[[Any], Record], body: bytes, arrays: Arrays, most_quadrics: int) -> dict[str, Any]:
+    tree = read_fast(body)
+    columns, _ = _columns(record(tree), tree, arrays, most_quadrics)
     if columns is None:
         # Wrong, or more than the fast reader can vouch for: only the exact reader knows which, and where.
         tree = read_exact(body)
-        columns, unused = _columns(record, tree, arrays, most_quadrics)
+        columns, unused = _columns(record(tree), tree, arrays, most_quadrics)
         if columns is None:
             problems = Problems()
-            record.explain(tree, "", problems)
+            record(tree).explain(tree, "", problems)
             explain_unused(unused, problems)
             problems.raise_any()
             raise AssertionError("a document is wrong, but nothing in it is")
@@ -116,3 +167,12 @@ def _columns(record: Record, tree: Any, arrays: Arrays, most_quadrics: int) -> t
     """The document's columns, None if anything is wrong, and the arrays that it does not use."""
     unused = arrays.keys() - refer(tree, arrays, most_quadrics)
     return None if unused else record.column([tree]), unused
+
+
+def _pixel_counts(cameras: Group) -> NDArray[np.int64]:
+    """(n,) pixels of each camera's crop, or of its whole image."""
+    columns = cameras.columns
+    if "crop" in columns:
+        x0, y0, x1, y1 = columns["crop"].T
+        return np.asarray((x1 - x0) * (y1 - y0), np.int64)
+    return np.asarray(columns["width"] * columns["height"], np.int64)

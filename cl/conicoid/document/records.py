@@ -70,7 +70,7 @@ class Record:
         usual: the key that is missed where none of the choices is there; the object itself if empty.
         apart: pairs of keys that exclude each other.
         relations: between values.
-        reserved: keys of the format that this version does not read yet, and what they are.
+        reserved: keys that are read elsewhere, and what to do about them.
         extra_schema: what JSON Schema can say of the relations.
     """
 
@@ -125,7 +125,7 @@ class Record:
         """All that is wrong with an object's keys."""
         for key in keys:
             if key in self.reserved:
-                yield key, f"{self.reserved[key]} is not read by this version; leave it out", "scene-unsupported"
+                yield key, self.reserved[key], "scene-unsupported"
             elif key not in self.fields:
                 near = get_close_matches(key[:60], self.fields, n=1)
                 advice = f"did you mean {near[0]}?" if near else f"remove it; it takes {', '.join(self.fields)}"

@@ -10,6 +10,7 @@ from conicoid.document.numeric import Numbers, NumbersOrInfinity
 from conicoid.document.quadric_fields import QUADRICS
 from conicoid.document.records import Field, Record
 from conicoid.document.rules import VERSION
+from conicoid.document.variants import ListOf
 
 OUTPUT: Final = Record(
     noun="an output",
@@ -54,7 +55,16 @@ SCENE: Final = Record(
     required=("conicoid", "camera"),
     choices=(("quadrics",), ("scene",)),
     usual="quadrics",
-    reserved={"cameras": "a batch of cameras"},
+    reserved={"cameras": "makes a batch, and this takes one view; give a camera, or submit the batch as a job"},
+)
+# A batch: a frame for each camera.
+BATCH: Final = replace(
+    SCENE,
+    noun="a scene document with many cameras",
+    fields={**SCENE.fields, "cameras": Field(ListOf(CAMERA, least=1), "the list of cameras, one for each frame")},
+    required=("conicoid", "cameras"),
+    apart=(("camera", "cameras"),),
+    reserved={},
 )
 # What is sent to be kept: a scene document, of which only the quadrics count.
 KEPT: Final = replace(

@@ -166,14 +166,15 @@ def _counted(groups: list[Group], n: int) -> list[Group]:
 
 @dataclass(frozen=True)
 class ListOf:
-    """A list of such objects, which is wherever it stands the only one of its kind."""
+    """A list of at least so many of such objects, which is wherever it stands the only one of its kind."""
 
     item: Variants
+    least: int = 0
 
     def column(self, values: list[Any]) -> list[Group] | None:
         """The groups of one list's objects."""
         (value,) = values
-        return self.item.column(value) if isinstance(value, list) else None
+        return self.item.column(value) if isinstance(value, list) and len(value) >= self.least else None
 
     def explain(self, value: Any, place: str, problems: Problems) -> None:
         """Not a list, or wrong objects in it: a wrong one among n right ones is found in the time of a few passes."""
@@ -181,9 +182,12 @@ class ListOf:
             message = f"{unlike(value, 'a list')}; give a list of {self.item.noun}s"
             problems.add(place, message, "scene-type")
             return
+        if len(value) < self.least:
+            problems.add(place, f"the list is empty; give a {self.item.noun}", "scene-length")
         for i in wrong(self.item.column, value):
             self.item.explain(value[i], f"{place}[{i}]", problems)
 
     def schema(self) -> dict[str, Any]:
         """An array of objects."""
-        return {"type": "array", "items": self.item.schema()}
+        schema = {"type": "array", "items": self.item.schema()}
+        return schema | {"minItems": self.least} if self.least else schema

@@ -51,4 +51,5 @@ def connect(options: argparse.Namespace) -> "Client":
     from conicoid_service.app import create_app
 
     # Nobody else uses this service, so there is nothing to wait for and no sense in a retry.
-    return Client("http://conicoid", transport=LocalTransport(create_app(configuration, pipeline)), retries=0)
+    application = create_app(configuration, pipeline, keeps_jobs=False)
+    return Client("http://conicoid", transport=LocalTransport(application), retries=0)

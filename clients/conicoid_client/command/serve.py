@@ -13,6 +13,7 @@ def run(options: argparse.Namespace) -> None:
     """Listen, then answer until SIGINT or SIGTERM."""
     configuration = settings()
     listener = _listen(options.host, options.port)
+    from conicoid_service.errors import StoreError
     from conicoid_service.server import serve
 
     host, port = listener.getsockname()[:2]
@@ -21,7 +22,11 @@ def run(options: argparse.Namespace) -> None:
     # An orderly stop is success: the server stops on these by itself, then sends itself the same signal once more.
     for ending in (signal.SIGINT, signal.SIGTERM):
         signal.signal(ending, lambda *_: None)
-    if not serve(settings=configuration, listener=listener):
+    try:
+        started = serve(settings=configuration, listener=listener)
+    except StoreError as error:
+        raise Failure(str(error)) from None
+    if not started:
         raise Failure("the service did not start; its log above says why")
 
 

@@ -1,0 +1,101 @@
+"""Files of the job store: whole or not there, whatever dies while they are written."""
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Final
+
+from conicoid_service.blob import CHUNK, Blob
+
+_TEMPORARY: Final = "incoming"
+
+
+class Folder:
+    """Files by name, each written once and never changed.
+
+    Args:
+        path: made if it is not there.
+    Raises:
+        OSError: it cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._incoming = path / _TEMPORARY
+        self._incoming.mkdir(parents=True, exist_ok=True)
+
+    def write(self, name: str, blob: Blob) -> None:
+        """Write a file, on the disk under its name when this returns; one that is there already is replaced.
+
+        Raises:
+            OSError: the disk is full or not writable; nothing is left then.
+        """
+        place = self._place(name)
+        temporary = self._incoming / f"{name}.{secrets.token_hex(8)}"
+        try:
+            with temporary.open("xb", buffering=0) as file:
+                for chunk in blob.chunks(CHUNK):
+                    _write_all(file, chunk)
+                os.fsync(file.fileno())
+            place.parent.mkdir(exist_ok=True)
+            temporary.rename(place)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+        _sync_folder(place.parent)
+
+    def open(self, name: str) -> Blob | None:
+        """The file, which the caller closes; None if it is not there. What is open can be read after it was removed."""
+        try:
+            return Blob(os.open(self._place(name), os.O_RDONLY | os.O_CLOEXEC))
+        except FileNotFoundError:
+            return None
+
+    def remove(self, name: str) -> None:
+        """Remove a file, if it is there."""
+        self._place(name).unlink(missing_ok=True)
+
+    def touch(self, name: str) -> bool:
+        """Make a file as young as if it were written now; whether it is there."""
+        try:
+            os.utime(self._place(name))
+        except FileNotFoundError:
+            return False
+        return True
+
+    def names(self, older_than_ms: int) -> Iterator[str]:
+        """The names of all files written or touched before a time."""
+        for part in self._path.iterdir():
+            if part != self._incoming:
+                yield from (file.name for file in _older(part, older_than_ms))
+
+    def sweep(self, older_than_ms: int) -> None:
+        """Remove what dead writers left half written."""
+        for file in _older(self._incoming, older_than_ms):
+            file.unlink(missing_ok=True)
+
+    def _place(self, name: str) -> Path:
+        return self._path / name[:2] / name
+
+
+def _older(folder: Path, than_ms: int) -> Iterator[Path]:
+    for file in folder.iterdir():
+        with suppress(FileNotFoundError):  # it is gone meanwhile
+            if file.stat().st_mtime_ns < than_ms * 1_000_000:
+                yield file
+
+
+def _write_all(file: IO[bytes], chunk: bytes) -> None:
+    view = memoryview(chunk)
+    while view:
+        view = view[file.write(view) :]
+
+
+def _sync_folder(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,175 @@
+"""Jobs as the HTTP application sees them."""
+
+import asyncio
+import hashlib
+import logging
+from collections.abc import Iterator
+from contextlib import suppress
+
+from conicoid_service.blob import Blob
+from conicoid_service.bodies import Body
+from conicoid_service.errors import FrameFailedError, FrameNotReadyError, StorageError
+from conicoid_service.gallery import Gallery
+from conicoid_service.images import Image
+from conicoid_service.jobs.bell import Bell
+from conicoid_service.jobs.clock import now_ms
+from conicoid_service.jobs.disk import Disk
+from conicoid_service.jobs.image_shelf import sha256_of
+from conicoid_service.jobs.keeper import Keeper
+from conicoid_service.jobs.painter import Painter
+from conicoid_service.jobs.records import Frame, Job, State
+from conicoid_service.jobs.runner import Runner
+from conicoid_service.jobs.store import NewJob
+from conicoid_service.pipeline import Pipeline, Timings
+from conicoid_service.settings import Settings
+
+logger = logging.getLogger(__name__)
+
+
+class Jobs:
+    """The job store with what works on it; for one event loop.
+
+    Attributes:
+        draining: set when the server is about to end: nobody should wait for anything any more.
+    """
+
+    def __init__(self, settings: Settings, disk: Disk, pipeline: Pipeline, gallery: Gallery) -> None:
+        self._settings, self._disk, self._pipeline = settings, disk, pipeline
+        self.bell = Bell()
+        self.draining = asyncio.Event()
+        self._painter = Painter(disk, pipeline, gallery)
+        self._runner = Runner(disk, self._painter, self.bell)
+        self._keeper = Keeper(disk, self.bell, settings.store_limit)
+
+    def start(self) -> None:
+        """Begin to render what is in the store."""
+        # One more than can render, so that one frame is stored while the next is rendered.
+        self._runner.start(self._settings.render_processes + 1)
+        self._keeper.start()
+
+    def drain(self) -> None:
+        """Begin no more frames, and end the streams of events."""
+        self.draining.set()
+        self._runner.drain()
+        self.bell.ring_all()
+
+    async def stop(self) -> None:
+        """Stop rendering and close the store."""
+        self.drain()
+        await self._runner.stop()
+        await self._keeper.stop()
+        await asyncio.to_thread(self._disk.close)
+
+    async def submit(self, body: Body, owner: str, key: str | None) -> tuple[Job, bool, Timings]:
+        """A job for the frames of a document, on the disk then, and whether it is new; takes the body over.
+
+        Raises:
+            SceneError, LimitError: the document is wrong or asks for too much.
+            StorageError: the disk is full.
+            IdempotencyKeyError, JobLimitError: as `JobStore.create`.
+        """
+        disk = self._disk
+        batch = await self._pipeline.read_batch(body)
+        with batch.views, batch.quadrics:
+            needed = await disk.do(disk.upkeep.needed_bytes)
+            if needed > self._settings.store_limit:
+                raise StorageError(
+                    f"the images of jobs that are kept take {needed} bytes, the limit is {self._settings.store_limit}; "
+                    "try again when some have expired"
+                )
+            if not await disk.do(disk.quadrics.touch, batch.quadrics_hash):
+                await disk.do(disk.quadrics.write, batch.quadrics_hash, batch.quadrics)
+            digest = hashlib.sha256(f"{batch.quadrics_hash}\n{sha256_of(batch.views)}".encode()).hexdigest()
+            new = NewJob(owner, batch.quadrics_hash, batch.frames, _lines(batch.views), digest, key)
+            job, is_new = await disk.do(disk.jobs.create, new, now_ms())
+        if is_new:
+            logger.info("job accepted", extra={"job_id": job.id, "owner": owner, "frames": job.frames_total})
+        self._runner.wake()
+        return job, is_new, batch.timings
+
+    async def job(self, job_id: str, owner: str) -> Job:
+        """One job; UnknownJobError as in `JobStore.get`."""
+        return await self._disk.do(self._disk.jobs.get, job_id, owner)
+
+    async def page(self, owner: str, limit: int, before: str | None, state: State | None) -> list[Job]:
+        """Jobs of an owner, newest first."""
+        return await self._disk.do(self._disk.jobs.page, owner, limit, before, state)
+
+    async def frames(self, job_id: str, first: int, limit: int) -> list[Frame]:
+        """Some frames of a job, in order."""
+        return await self._disk.do(self._disk.jobs.frames, job_id, first, limit)
+
+    async def progress(self, job_id: str, ended: int, limit: int) -> tuple[Job | None, list[Frame]]:
+        """A job, None if it is not there any more, and frames that ended after the first `ended` did."""
+        return await self._disk.do(self._disk.jobs.progress, job_id, ended, limit)
+
+    async def cancel(self, job_id: str, owner: str) -> tuple[Job, bool]:
+        """The job, cancelled if it had not ended, and whether it had not."""
+        job, did = await self._disk.do(self._disk.jobs.cancel, job_id, owner, now_ms())
+        if did:
+            self._runner.cancel(job_id)
+            self.bell.ring(job_id)
+            logger.info("job cancelled", extra={"job_id": job_id, "owner": owner})
+        return job, did
+
+    async def image(self, job: Job, number: int) -> tuple[str, Image]:
+        """The entity tag and image of a frame, which the caller closes.
+
+        Raises:
+            FrameNotReadyError: it has none, or not yet.
+            FrameFailedError: it will have none.
+        """
+        found = await self.frames(job.id, number, 1)
+        if not found or found[0].number != number:
+            raise FrameNotReadyError(f"job {job.id} has the frames 0 to {job.frames_total - 1}, not {number}")
+        frame = found[0]
+        if frame.state == "failed":
+            raise FrameFailedError(f"frame {number} failed: {frame.error_detail} [{frame.error_code}]")
+        if frame.tag is None:
+            error = FrameNotReadyError(f"frame {number} is {frame.state}" + ("" if job.ended else "; try again later"))
+            error.retry_after_s = None if job.ended else 1
+            raise error
+        tag = f'"{frame.tag}"'
+        return tag, await self._sound(tag) or await self._again(job, frame)
+
+    async def stored(self, tag: str) -> Image | None:
+        """The image that an entity tag names, which the caller closes; None if the disk has it not, or gives it not."""
+        with suppress(StorageError):
+            return await self._sound(tag)
+        return None
+
+    async def _sound(self, tag: str) -> Image | None:
+        """A stored image, if it is as it was written."""
+        disk = self._disk
+        found = await disk.do(disk.shelf.get, tag, now_ms())
+        if found is None:
+            return None
+        image, known = found
+        if await asyncio.to_thread(sha256_of, image.blob) == known.sha256:
+            return image
+        image.blob.close()
+        await disk.do(disk.shelf.forget, known)
+        return None
+
+    async def _again(self, job: Job, frame: Frame) -> Image:
+        """The image of a frame whose file is damaged."""
+        disk = self._disk
+        again = await self._painter.paint(await disk.do(disk.work.frame, job.id, frame.number), batch=False)
+        await disk.do(disk.upkeep.remember, again, now_ms())
+        image = await self._sound(again.tag) if again.tag == frame.tag else None
+        if image is None:
+            raise FrameFailedError(
+                f"the image of frame {frame.number} was damaged on the disk, and this version or device would make "
+                "another; submit the job again"
+            )
+        return image
+
+
+def _lines(views: Blob) -> Iterator[bytes]:
+    """The lines of a text, piece by piece."""
+    rest = b""
+    for chunk in views.chunks():
+        *lines, rest = (rest + chunk).split(b"\n")
+        yield from lines
+    if rest:
+        yield rest

@@ -1,0 +1,69 @@
+"""Keeps the store in order while the server runs."""
+
+import asyncio
+import logging
+from typing import Final
+
+from conicoid_service.errors import StorageError
+from conicoid_service.jobs.bell import Bell
+from conicoid_service.jobs.clock import now_ms
+from conicoid_service.jobs.disk import Disk
+
+RECLAIM_S: Final = 2.0
+EVICT_S: Final = 10.0
+# Files without an entry in the database may belong to a server that is about to make it.
+_STRAY_MS: Final = 3_600_000
+
+logger = logging.getLogger(__name__)
+
+
+class Keeper:
+    """Takes up what other servers left, ends what is over, makes room; for one event loop."""
+
+    def __init__(self, disk: Disk, bell: Bell, store_limit: int) -> None:
+        self._disk, self._bell, self._store_limit = disk, bell, store_limit
+        self._task: asyncio.Task[None] | None = None
+
+    def start(self) -> None:
+        """Start in the background."""
+        self._task = asyncio.create_task(self._keep())
+
+    async def stop(self) -> None:
+        """Stop, between two steps."""
+        if self._task:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _keep(self) -> None:
+        rounds = 0
+        while True:
+            try:
+                await self._reclaim()
+                if rounds % round(EVICT_S / RECLAIM_S) == 0:
+                    await self._tidy()
+            except StorageError as error:
+                logger.warning("%s", error)
+            except Exception:  # a defect here must not leave the store to itself
+                logger.exception("the upkeep of the job store met a defect")
+            await asyncio.sleep(RECLAIM_S)
+            rounds += 1
+
+    async def _reclaim(self) -> None:
+        """Give back the frames of servers that died."""
+        disk = self._disk
+        for name in await disk.do(disk.work.holders):
+            if name != disk.holder.name and not disk.holder.lives(name):
+                count = await disk.do(disk.work.take_from, name)
+                logger.warning("%d frames of a server that ended are taken up again", count)
+
+    async def _tidy(self) -> None:
+        """End what is over and make room."""
+        disk, now = self._disk, now_ms()
+        await disk.do(disk.upkeep.expire, now)
+        # On a full disk images that nobody needs make room for those that somebody does.
+        await disk.do(disk.shelf.make_room, 0 if disk.trouble else self._store_limit)
+        await disk.do(disk.shelf.remove_strays, now - _STRAY_MS)
+        await disk.do(disk.remove_quadrics, now - _STRAY_MS)
+        for folder in (disk.images, disk.quadrics):
+            await disk.do(folder.sweep, now - _STRAY_MS)
+        await disk.do(disk.check)

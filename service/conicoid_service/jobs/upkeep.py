@@ -1,0 +1,93 @@
+"""What is given up: jobs whose time is over, images that nobody needs and for which there is no room, stray files."""
+
+from typing import Any, Final
+
+from sqlalchemy import Connection, delete, exists, func, select, update
+
+from conicoid_service.jobs.database import Database
+from conicoid_service.jobs.records import StoredImage
+from conicoid_service.jobs.tables import frames, images, jobs
+from conicoid_service.jobs.work import remember
+
+_AT_ONCE: Final = 100
+_TOLERANCE_MS: Final = 60_000  # a write to the disk is saved for each use within it
+_NEEDED: Final = exists().where(frames.c.tag == images.c.tag)
+
+
+class Upkeep:
+    """Jobs and images in a database, seen as what takes room; for one thread at a time."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def image(self, tag: str, now_ms: int) -> StoredImage | None:
+        """What is known of an image, which now is the one that was used last, give or take a minute."""
+        columns = [images.c[name] for name in StoredImage.__dataclass_fields__]
+        this = images.c.tag == tag
+        with self._database.reading() as connection:
+            row = connection.execute(select(*columns, images.c.used_ms).where(this)).one_or_none()
+        if row is None:
+            return None
+        if now_ms - row.used_ms > _TOLERANCE_MS:
+            with self._database.writing() as connection:
+                connection.execute(update(images).where(this).values(used_ms=now_ms))
+        return StoredImage(*row[:-1])
+
+    def remember(self, image: StoredImage, now_ms: int) -> None:
+        """Note an image that is on the disk."""
+        with self._database.writing() as connection:
+            remember(connection, image, now_ms)
+
+    def forget(self, tag: str) -> None:
+        """An image is not on the disk any more, though it should be."""
+        with self._database.writing() as connection:
+            connection.execute(delete(images).where(images.c.tag == tag))
+
+    def expire(self, now_ms: int) -> int:
+        """Give up jobs whose time is over; how many they were."""
+        with self._database.writing() as connection:
+            return connection.execute(delete(jobs).where(jobs.c.expires_ms <= now_ms)).rowcount
+
+    def evict(self, limit: int) -> list[str]:
+        """The tags of some images to remove, forgotten already: of those that no job needs, used longest ago.
+
+        Empty when the rest takes no more than `limit` bytes, or jobs need all of it.
+        """
+        with self._database.writing() as connection:
+            over = _bytes(connection) - limit
+            if over <= 0:
+                return []
+            query = select(images.c.tag, images.c.bytes).where(~_NEEDED).order_by(images.c.used_ms).limit(_AT_ONCE)
+            tags: list[str] = []
+            for tag, size in connection.execute(query):
+                if over <= 0:
+                    break
+                tags.append(tag)
+                over -= size
+            connection.execute(delete(images).where(images.c.tag.in_(tags)))
+            return tags
+
+    def needed_bytes(self) -> int:
+        """Bytes of images that jobs need."""
+        with self._database.reading() as connection:
+            return _bytes(connection, _NEEDED)
+
+    def all_bytes(self) -> int:
+        """Bytes of all images."""
+        with self._database.reading() as connection:
+            return _bytes(connection)
+
+    def known_tags(self) -> set[str]:
+        """The tags of all images."""
+        with self._database.reading() as connection:
+            return set(connection.execute(select(images.c.tag)).scalars())
+
+    def needed_quadrics(self) -> set[str]:
+        """The hashes of the quadrics of all jobs: a damaged image can be rendered again for as long as it is needed."""
+        query = select(jobs.c.quadrics_hash).distinct()
+        with self._database.reading() as connection:
+            return set(connection.execute(query).scalars())
+
+
+def _bytes(connection: Connection, *where: Any) -> int:
+    return int(connection.execute(select(func.coalesce(func.sum(images.c.bytes), 0)).where(*where)).scalar_one())

@@ -1,0 +1,199 @@
+"""What happens to jobs and frames in the database."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from conicoid_service.errors import IdempotencyKeyError, JobLimitError, UnknownJobError
+from tests.service.jobs.stores import LIFETIME_MS, Store, image, new_job, opened
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with opened(tmp_path) as made:
+        yield made
+
+
+def numbers(store: Store, job_id: str, state: str) -> list[int]:
+    return [frame.number for frame in store.jobs.frames(job_id, 0, 1000) if frame.state == state]
+
+
+def test_job_goes_from_queued_by_running_to_succeeded(store: Store) -> None:
+    job_id = store.submit(2, now_ms=5)
+    assert (store.jobs.get(job_id, "").state, store.jobs.get(job_id, "").started_ms) == ("queued", None)
+    first, second = store.take(7), store.take(8)
+    assert (store.jobs.get(job_id, "").state, store.jobs.get(job_id, "").started_ms) == ("running", 7)
+    assert store.work.claim(8) is None
+    assert store.work.finish(second, image(), 9)
+    assert store.jobs.get(job_id, "").state == "running"
+    assert store.work.finish(first, image(), 10)
+    job = store.jobs.get(job_id, "")
+    assert (job.state, job.finished_ms, job.expires_ms) == ("succeeded", 10, 10 + LIFETIME_MS)
+    assert (job.frames_total, job.frames_done, job.frames_failed) == (2, 2, 0)
+    assert [(frame.number, frame.ended_as, frame.bytes) for frame in store.jobs.frames(job_id, 0, 9)] == [
+        (0, 2, 10),
+        (1, 1, 10),
+    ]
+
+
+def test_frames_are_taken_in_order_with_what_rendering_needs(store: Store) -> None:
+    job_id = store.submit(2, quadrics_hash="abc", owner="me")
+    claims = [store.take(), store.take()]
+    assert [(one.job_id, one.number, one.owner, one.quadrics_hash) for one in claims] == [
+        (job_id, 0, "me", "abc"),
+        (job_id, 1, "me", "abc"),
+    ]
+    assert [one.scene_hash for one in claims] == ["hash 0", "hash 1"]
+    assert store.work.frame(job_id, 1) == claims[1]
+
+
+def test_one_failed_frame_fails_its_job_and_no_other_frame(store: Store) -> None:
+    job_id = store.submit(3)
+    for claim in (store.take(), store.take(), store.take()):
+        if claim.number == 1:
+            assert store.work.fail(claim, "render-crashed", "it died", 1)
+        else:
+            assert store.work.finish(claim, image(), 1)
+    job = store.jobs.get(job_id, "")
+    assert (job.state, job.frames_done, job.frames_failed) == ("failed", 2, 1)
+    failed = store.jobs.frames(job_id, 1, 1)[0]
+    assert (failed.error_code, failed.error_detail, failed.tag) == ("render-crashed", "it died", None)
+
+
+def test_owners_take_turns_however_much_each_has(store: Store) -> None:
+    store.submit(5, owner="a")
+    store.submit(5, owner="a")
+    store.submit(2, owner="b")
+    store.submit(2, owner="c")
+    assert "".join(store.take().owner for _ in range(8)) == "abcabcaa"
+
+
+def test_cancelled_job_gives_nothing_to_render_and_takes_no_image(store: Store) -> None:
+    job_id = store.submit(3)
+    done, running = store.take(), store.take()
+    store.work.finish(done, image(), 1)
+    job, did = store.jobs.cancel(job_id, "", 2)
+    assert (job.state, job.finished_ms, did) == ("cancelled", 2, True)
+    assert store.work.claim(3) is None
+    assert not store.work.is_ours(running)
+    assert not store.work.finish(running, image("late"), 4)
+    assert not store.work.fail(running, "code", "detail", 4)
+    assert store.jobs.cancel(job_id, "", 5) == (job, False)
+    assert numbers(store, job_id, "succeeded") == [0]
+    assert numbers(store, job_id, "cancelled") == [1, 2]
+
+
+def test_released_frame_is_taken_again_and_counted_where_it_should(store: Store) -> None:
+    store.submit()
+    store.work.release(store.take(), not_before_ms=0, counts=False)
+    claim = store.take()
+    assert claim.attempts == 1
+    store.work.release(claim, not_before_ms=50, counts=True)
+    assert store.work.claim(49) is None
+    assert store.take(50).attempts == 2
+
+
+def test_frames_of_a_dead_server_are_taken_up_by_another(tmp_path: Path) -> None:
+    with opened(tmp_path, holder="dead") as dead, opened(tmp_path) as living:
+        job_id = dead.submit(3)
+        lost, own = dead.take(), living.take()
+        assert living.work.holders() == {"dead", "me"}
+        assert living.work.take_from("dead") == 1
+        assert numbers(living, job_id, "queued") == [0, 2]
+        assert living.take().attempts == 2
+        # It was only slow, and comes back too late.
+        assert not dead.work.finish(lost, image(), 1)
+        dead.work.release(lost, not_before_ms=0, counts=False)
+        assert living.work.is_ours(own)
+        assert numbers(living, job_id, "running") == [0, 1]
+
+
+def test_two_servers_never_take_the_same_frame(tmp_path: Path) -> None:
+    with opened(tmp_path, holder="a") as a, opened(tmp_path, holder="b") as b:
+        a.submit(6)
+        assert [store.take().number for store in (a, b, b, a, b, a)] == [0, 1, 2, 3, 4, 5]
+
+
+def test_ended_frames_are_told_from_where_a_client_left(store: Store) -> None:
+    job_id = store.submit(4)
+    claims = [store.take() for _ in range(4)]
+    for k in (2, 0, 3):
+        store.work.finish(claims[k], image(), 1)
+    assert [frame.number for frame in store.jobs.progress(job_id, 0, 10)[1]] == [2, 0, 3]
+    assert [frame.number for frame in store.jobs.progress(job_id, 1, 1)[1]] == [0]
+    assert store.jobs.progress(job_id, 3, 10)[1] == []
+    assert store.jobs.progress("no such job", 0, 10) == (None, [])
+
+
+def test_same_key_makes_one_job_and_another_request_is_refused(store: Store) -> None:
+    first, is_new = store.jobs.create(new_job(2, "me", idempotency_key="k"), 0)
+    assert is_new
+    assert store.jobs.create(new_job(2, "me", idempotency_key="k"), 1) == (first, False)
+    with pytest.raises(IdempotencyKeyError, match=first.id):
+        store.jobs.create(new_job(2, "me", idempotency_key="k", digest="other"), 1)
+    assert store.jobs.create(new_job(2, "you", idempotency_key="k"), 1)[1]
+    assert len(store.jobs.page("me", 10, None, None)) == 1
+
+
+def test_owner_may_not_have_more_frames_than_the_limit(tmp_path: Path) -> None:
+    with opened(tmp_path, owner_frame_limit=5) as store:
+        job_id = store.submit(4, owner="a")
+        with pytest.raises(JobLimitError, match="4 frames wait already and 2 more would pass the limit of 5"):
+            store.submit(2, owner="a")
+        store.submit(5, owner="b")
+        store.jobs.cancel(job_id, "a", 1)
+        store.submit(5, owner="a")
+
+
+def test_pages_list_an_owners_jobs_newest_first(store: Store) -> None:
+    ids = [store.submit(now_ms=k, owner="a") for k in range(5)]
+    store.submit(owner="b")
+    store.jobs.cancel(ids[3], "a", 9)
+    first = store.jobs.page("a", 3, None, None)
+    assert [job.id for job in first] == ids[:1:-1]
+    assert [job.id for job in store.jobs.page("a", 3, first[-1].id, None)] == ids[1::-1]
+    assert [job.id for job in store.jobs.page("a", 3, None, "cancelled")] == [ids[3]]
+
+
+def test_another_owners_job_is_not_there(store: Store) -> None:
+    job_id = store.submit(owner="a")
+    with pytest.raises(UnknownJobError):
+        store.jobs.get(job_id, "b")
+    with pytest.raises(UnknownJobError):
+        store.jobs.cancel(job_id, "b", 0)
+    assert store.jobs.get(job_id, "a").state == "queued"
+
+
+def test_states_are_counted(store: Store) -> None:
+    cancelled = store.submit(3)
+    store.jobs.cancel(cancelled, "", 1)
+    store.submit(3)
+    store.work.finish(store.take(), image(), 1)
+    store.take()
+    assert store.jobs.states() == ({"cancelled": 1, "running": 1}, {"queued": 1, "running": 1, "succeeded": 1})
+
+
+def test_expired_job_is_gone_with_its_frames(store: Store) -> None:
+    job_id = store.submit(2)
+    store.jobs.cancel(job_id, "", 100)
+    assert store.upkeep.expire(99 + LIFETIME_MS) == 0
+    assert store.upkeep.expire(100 + LIFETIME_MS) == 1
+    with pytest.raises(UnknownJobError):
+        store.jobs.get(job_id, "")
+    assert store.jobs.frames(job_id, 0, 10) == []
+
+
+def test_room_is_made_by_what_no_job_needs_and_was_used_longest_ago(store: Store) -> None:
+    store.submit(1)
+    store.work.finish(store.take(), image("needed", 100), 0)
+    for k in range(4):
+        store.upkeep.remember(image(f"free {k}", 10), k)
+    store.upkeep.image("free 0", 10**9)
+    assert store.upkeep.evict(140) == []
+    assert store.upkeep.evict(120) == ["free 1", "free 2"]
+    assert store.upkeep.evict(0) == ["free 3", "free 0"]
+    assert store.upkeep.evict(0) == []
+    assert (store.upkeep.all_bytes(), store.upkeep.needed_bytes()) == (100, 100)
+    store.upkeep.expire(10**12)
+    assert store.upkeep.evict(0) == ["needed"]
