@@ -8,7 +8,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree image test-embree test-gappa test-intel test-package lock clean
+.PHONY: setup demo test check stress bench embree image test-chaos test-embree test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -23,7 +23,7 @@ demo: $(SETUP)
 	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
-	.venv/bin/pytest --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
+	.venv/bin/pytest --ignore=tests/chaos --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
 
 check: $(SETUP)
 	.venv/bin/ruff format --check .
@@ -68,6 +68,10 @@ $(INTEL)/vendors/intel.icd: requirements/intel.txt
 	$(INTEL)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
 	mkdir -p $(@D)
 	echo $(abspath $(INTEL)/lib/libintelocl.so) > $@
+
+# Needs a kernel that lets users make namespaces, for a disk that can be filled.
+test-chaos: $(SETUP)
+	.venv/bin/pytest tests/chaos
 
 test-package: $(SETUP)
 	.venv/bin/pytest tests/container
