@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, cast
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.routing import Match
 
 from conicoid import __version__
 from conicoid.errors import ConicoidError
@@ -102,7 +103,16 @@ async def _refuse(_: Request, error: Exception) -> Response:
 async def _refuse_http(request: Request, error: Exception) -> Response:
     refused = cast(HTTPException, error)
     detail = f"{request.method} {request.url.path}: {refused.detail}; see /docs for what there is"
-    return http_problem(refused.status_code, detail, refused.headers)
+    headers = refused.headers
+    if refused.status_code == 405:  # Starlette names the methods of the first route of the path alone
+        headers = {**(headers or {}), "Allow": ", ".join(sorted(_methods(request)))}
+    return http_problem(refused.status_code, detail, headers)
+
+
+def _methods(request: Request) -> set[str]:
+    """The methods of all routes of the request's path."""
+    at = [route for route in request.app.routes if route.matches(request.scope)[0] != Match.NONE]
+    return {method for route in at for method in getattr(route, "methods", None) or ()}
 
 
 async def _refuse_parameters(_: Request, error: Exception) -> Response:

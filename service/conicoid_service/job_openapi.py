@@ -62,6 +62,23 @@ def _answer(description: str, schema: str, **headers: Any) -> dict[str, Any]:
 
 _LOCATION: Final = {"description": "of the job", "schema": {"type": "string"}}
 ACCEPTED: Final = _answer("The job is accepted", "Job", **{"Location": _LOCATION, "Server-Timing": TIMING})
+BATCH: Final = {
+    "type": "object",
+    "description": "a scene document with a list of cameras in place of one",
+    "required": ["conicoid", "cameras"],
+    "additionalProperties": False,
+    "properties": {
+        **{
+            key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
+            for key in ("conicoid", "quadrics", "scene", "output")
+        },
+        "cameras": {"type": "array", "minItems": 1, "items": {"$ref": "#/components/schemas/Scene/properties/camera"}},
+    },
+    "oneOf": [
+        {"required": ["quadrics"], "not": {"required": ["scene"]}},
+        {"required": ["scene"], "not": {"required": ["quadrics"]}},
+    ],
+}
 SUBMIT_DOCS: Final[dict[str, Any]] = {
     "responses": {
         202: ACCEPTED,
@@ -69,7 +86,7 @@ SUBMIT_DOCS: Final[dict[str, Any]] = {
         **problems(400, 404, *_STORAGE),
     },
     "openapi_extra": {
-        **body_docs(SCENE),
+        **body_docs({"oneOf": [SCENE, BATCH]}),
         "parameters": [
             {
                 "name": "Idempotency-Key",
@@ -101,7 +118,7 @@ EVENTS_DOCS: Final[dict[str, Any]] = {
     "responses": {
         200: {
             "description": "`progress`: the job; `frame`: a frame that ended, its id says how many had; `end`: the job",
-            "content": {"text/event-stream": {"schema": {"type": "string"}}},
+            "content": {"text/event-stream": {}},
         },
         204: {"description": "The client has seen the end"},
         **problems(404, 422, 500, 503, 507),

@@ -153,11 +153,11 @@ KEEP_DOCS: Final[dict[str, Any]] = {
     },
     "openapi_extra": body_docs(_QUADRICS),
 }
-DROP_DOCS: Final[dict[str, Any]] = {"responses": problems(404)}
+DROP_DOCS: Final[dict[str, Any]] = {"responses": problems(404, 422)}
 KEPT_DOCS: Final[dict[str, Any]] = {
     "responses": {
         200: {"description": "The kept scene", "content": {"application/json": {"schema": _KEPT}}},
-        **problems(404),
+        **problems(404, 422),
     }
 }
 DEVICE_DOCS: Final[dict[str, Any]] = {"responses": problems(429, 500, 503)}

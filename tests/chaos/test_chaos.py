@@ -13,9 +13,9 @@ from typing import Any
 import httpx
 import pytest
 
-from tests.chaos.service import Service
 from tests.chaos.small_disk import SmallDisk
 from tests.checkout import ROOT
+from tests.running import Service
 
 FRAMES = 200
 ENDED = ("succeeded", "failed", "cancelled")

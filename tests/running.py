@@ -35,7 +35,7 @@ class Service:
         command = [str(Path(sys.executable).with_name("conicoid")), "serve", "--port", str(self.port)]
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
-                [*self._inside, *command], env=self._environment, stderr=log, start_new_session=True
+                [*self._inside, *command], env=self._environment, stdout=log, stderr=log, start_new_session=True
             )
         self.wait_until_ready()
 
