@@ -81,8 +81,8 @@ def extent_of(quadrics: Quadrics) -> Extent:
 
 def _bounded(quadrics: Quadrics, rows: NDArray[np.intp]) -> tuple[NDArray[np.uint8], Floats, Floats, NDArray[np.int32]]:
     """Kind, centre, half size and flags of some quadrics that are not whole ellipsoids."""
-    shape, radii = quadrics.shape[rows], quadrics.radii[rows]
-    low, high = quadrics.z_range[rows].T.copy()
+    shape, radii = quadrics.shape.take(rows), quadrics.radii.take(rows, axis=0)
+    low, high = quadrics.z_range.take(rows, axis=0).T.copy()
     ranged = np.isfinite(low)
     centre, half = np.zeros((len(rows), 3)), np.full((len(rows), 3), np.inf)
     closed = _CLOSED[shape]

@@ -27,10 +27,10 @@ class Queue:
         Fresh pages cost more than most kernels that fill them.
         """
         size = math.prod(shape if isinstance(shape, tuple) else (shape,)) * np.dtype(dtype).itemsize
-        if name not in self._kept or len(self._kept[name]) < size + _ALIGNMENT:
-            self._kept[name] = np.empty(size + _ALIGNMENT, dtype=np.uint8)
-        start = -self._kept[name].ctypes.data % _ALIGNMENT
-        array: NDArray[Any] = self._kept[name][start : start + size].view(dtype).reshape(shape)
+        memory = self._kept.get(name)
+        if memory is None or len(memory) < size:
+            memory = self._kept[name] = _aligned(size)
+        array: NDArray[Any] = memory[:size].view(dtype).reshape(shape)
         return array
 
     def read_only(self, array: NDArray[Any]) -> "pyopencl.Buffer":
@@ -59,3 +59,10 @@ class Queue:
         if not array.size:
             return self.empty(1)
         return pyopencl.Buffer(self.context, access | pyopencl.mem_flags.USE_HOST_PTR, hostbuf=array)
+
+
+def _aligned(size: int) -> NDArray[np.uint8]:
+    """That many uninitialised bytes, at a multiple of `_ALIGNMENT`."""
+    memory = np.empty(size + _ALIGNMENT, dtype=np.uint8)
+    start = -memory.ctypes.data % _ALIGNMENT
+    return memory[start : start + size]

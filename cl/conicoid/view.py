@@ -7,9 +7,9 @@ computed in exact rationals from the camera's binary64 numbers and rounded once 
 from dataclasses import dataclass
 
 import numpy as np
-from flint import fmpq
+from flint import fmpq, fmpq_mat
 
-from conicoid.exact.rationals import exact
+from conicoid.exact.rationals import exact, exact_matrix, nearest
 from conicoid.scene import Camera, Floats, Output
 
 
@@ -39,9 +39,9 @@ class View:
 
 def view_of(camera: Camera, output: Output) -> View:
     """The frame's constants; `output.normal_space` chooses the target frame of normals."""
-    world_from_camera = [[exact(value) for value in row] for row in camera.world_from_camera[:3].tolist()]
-    right, up, back = ([row[k] for row in world_from_camera] for k in range(3))
-    origin = [row[3] for row in world_from_camera]
+    linear = exact_matrix(camera.world_from_camera[:3, :3])
+    right, up, back = ([linear[i, k] for i in range(3)] for k in range(3))
+    origin = [exact(value) for value in camera.world_from_camera[:3, 3].tolist()]
     fx, fy, cx, cy = (exact(float(value)) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
 
     across = [x / fx for x in right]
@@ -57,9 +57,7 @@ def view_of(camera: Camera, output: Output) -> View:
         direction = ([x + z for x, z in zip(corner, forward, strict=True)], across, down)
     rays = np.array([[_double_double(x) for x in vector] for vector in point + direction])
 
-    camera_from_world = _inverse([row[:3] for row in world_from_camera])
-    rows = ([x * fx for x in camera_from_world[0]], [-x * fy for x in camera_from_world[1]],
-            [-x for x in camera_from_world[2]])  # fmt: skip
+    image_from_world = fmpq_mat(3, 3, [fx, 0, 0, 0, -fy, 0, 0, 0, -1]) * linear.inv()
     world_back = -rays[3:, :, 0].T[:, [1, 2, 0]]
     in_camera = output.normal_space == "camera"
     camera_direction = np.array([[1 / camera.fx, 0, -camera.cx / camera.fx],
@@ -69,7 +67,7 @@ def view_of(camera: Camera, output: Output) -> View:
     return View(
         orthographic=camera.projection == "orthographic",
         rays=rays,
-        image_rows=np.array([[_nearest(x) for x in row] for row in rows]),
+        image_rows=np.array([nearest(x) for x in image_from_world.entries()]).reshape(3, 3),
         origin=camera.world_from_camera[:3, 3],
         principal=np.array([camera.cx, camera.cy]),
         target=camera.world_from_camera[:3, :3] if in_camera else np.eye(3),
@@ -77,20 +75,6 @@ def view_of(camera: Camera, output: Output) -> View:
     )
 
 
-def _nearest(value: fmpq) -> float:
-    """The nearest binary64: Python divides integers with correct rounding."""
-    return int(value.p) / int(value.q)
-
-
 def _double_double(value: fmpq) -> tuple[float, float]:
-    hi = _nearest(value)
-    return hi, _nearest(value - exact(hi))
-
-
-def _inverse(rows: list[list[fmpq]]) -> list[list[fmpq]]:
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    adjugate = [[e * i - f * h, c * h - b * i, b * f - c * e],
-                [f * g - d * i, a * i - c * g, c * d - a * f],
-                [d * h - e * g, b * g - a * h, a * e - b * d]]  # fmt: skip
-    determinant = a * adjugate[0][0] + b * adjugate[1][0] + c * adjugate[2][0]
-    return [[x / determinant for x in row] for row in adjugate]
+    hi = nearest(value)
+    return hi, nearest(value - exact(hi))

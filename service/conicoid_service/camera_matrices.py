@@ -5,16 +5,15 @@ left-handed (+x right, +y up, +z the viewing direction); NDC (0, 0) is the upper
 corner of the display window. `docs/exr.md` works an example.
 """
 
-from fractions import Fraction
-from typing import Any
-
 import numpy as np
+from flint import fmpq_mat
 from numpy.typing import NDArray
 
+from conicoid.exact.rationals import affine_matrix, exact, nearest
 from conicoid.scene import Camera
 
-# Exact rationals: these matrices are made once per image, and nothing then needs a tolerance but their last rounding.
-Exact = NDArray[np.object_]
+# Matrices of exact rationals: nothing then needs a tolerance but the last rounding.
+_LEFT_HANDED = fmpq_mat(4, 4, [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1])
 
 
 def world_to_camera(camera: Camera) -> NDArray[np.float32]:
@@ -28,46 +27,23 @@ def world_to_ndc(camera: Camera) -> NDArray[np.float32]:
     OpenEXR leaves z open. Here z/w is 1/depth for a pinhole and the depth itself for an orthographic camera, so that
     the matrix is invertible without near and far planes.
     """
-    return _rounded(_world_to_camera(camera) @ _camera_to_ndc(camera))
+    return _rounded(_world_to_camera(camera) * _camera_to_ndc(camera))
 
 
-def _world_to_camera(camera: Camera) -> Exact:
-    world_from_camera = _exact(camera.world_from_camera)
-    inverse = _affine_inverse(world_from_camera)
-    matrix: Exact = inverse.T * _exact([1, 1, -1, 1])  # OpenGL's camera looks down -z, OpenEXR's down +z
-    return matrix
+def _world_to_camera(camera: Camera) -> fmpq_mat:
+    camera_from_world = affine_matrix(camera.world_from_camera[:3]).inv()
+    return camera_from_world.transpose() * _LEFT_HANDED  # OpenGL's camera looks down -z, OpenEXR's down +z
 
 
-def _camera_to_ndc(camera: Camera) -> Exact:
-    width, height = Fraction(camera.width), Fraction(camera.height)
-    x, y = Fraction(camera.fx) / width, -Fraction(camera.fy) / height
-    x_center, y_center = Fraction(camera.cx) / width, Fraction(camera.cy) / height
+def _camera_to_ndc(camera: Camera) -> fmpq_mat:
+    fx, fy, cx, cy = (exact(float(value)) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
+    x, y, x_center, y_center = fx / camera.width, -fy / camera.height, cx / camera.width, cy / camera.height
     if camera.projection == "orthographic":
-        return _exact([[x, 0, 0, 0], [0, y, 0, 0], [0, 0, 1, 0], [x_center, y_center, 0, 1]])
-    return _exact([[x, 0, 0, 0], [0, y, 0, 0], [x_center, y_center, 0, 1], [0, 0, 1, 0]])
+        return fmpq_mat(4, 4, [x, 0, 0, 0, 0, y, 0, 0, 0, 0, 1, 0, x_center, y_center, 0, 1])
+    return fmpq_mat(4, 4, [x, 0, 0, 0, 0, y, 0, 0, x_center, y_center, 0, 1, 0, 0, 1, 0])
 
 
-def _affine_inverse(matrix: Exact) -> Exact:
-    """Inverse of a (4, 4) affine matrix (column vectors), by the adjugate of its linear part."""
-    columns = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
-    adjugate = np.stack([_cross(columns[(i + 1) % 3], columns[(i + 2) % 3]) for i in range(3)])
-    linear = adjugate / (columns[0] @ adjugate[0])
-    inverse = _exact(np.eye(4))
-    inverse[:3, :3] = linear
-    inverse[:3, 3] = -(linear @ matrix[:3, 3])
-    return inverse
-
-
-def _cross(a: Exact, b: Exact) -> Exact:
-    return np.array([a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)], object)
-
-
-def _exact(values: Any) -> Exact:
-    exact: Exact = np.vectorize(Fraction, otypes=[object])(values)
-    return exact
-
-
-def _rounded(matrix: Exact) -> NDArray[np.float32]:
+def _rounded(matrix: fmpq_mat) -> NDArray[np.float32]:
     # By way of binary64; an entry beyond binary32 becomes inf, which NumPy would warn about.
     with np.errstate(over="ignore"):
-        return matrix.astype(np.float64).astype(np.float32)
+        return np.array([nearest(entry) for entry in matrix.entries()]).reshape(4, 4).astype(np.float32)

@@ -6,6 +6,7 @@ import socket
 import threading
 
 from conicoid_service.errors import StoreError
+from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings
 
@@ -37,6 +38,7 @@ def serve(
         SystemExit: the address cannot be bound.
     """
     settings = settings or Settings.from_environment()
+    keep_freed_memory()
     pipeline = Pipeline(settings)
     pipeline.start()
     # Loading these takes as long as starting the children, which goes on meanwhile.

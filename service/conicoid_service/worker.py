@@ -12,6 +12,7 @@ from conicoid.errors import ConicoidError, LimitError, SceneError
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Channel, Message
 from conicoid_service.errors import DEFECT
+from conicoid_service.heap import keep_freed_memory
 
 Reply = tuple[Message, list[Blob]]
 Handler = Callable[[Message, list[Blob]], Reply]
@@ -30,6 +31,7 @@ def serve(start: Start, arguments: Sequence[str]) -> None:
     """
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s")
     _die_with_parent()
+    keep_freed_memory()
     with socket.socket(fileno=int(arguments[0])) as connection, suppress(EOFError, BrokenPipeError):
         # The end of the work is the parent's end of the socket: closed, or gone with the parent.
         _converse(Channel(connection), start)

@@ -12,6 +12,11 @@ def exact(value: float) -> fmpq:
     return fmpq(*value.as_integer_ratio())
 
 
+def nearest(value: fmpq) -> float:
+    """The nearest binary64: Python divides integers with correct rounding. OverflowError if there is none."""
+    return int(value.p) / int(value.q)
+
+
 def exact_matrix(values: Floats) -> fmpq_mat:
     """The rational matrix that a finite (m, n) array is."""
     rows, columns = values.shape
