@@ -13,7 +13,9 @@ from starlette.exceptions import HTTPException
 
 from conicoid import __version__
 from conicoid.errors import ConicoidError
-from conicoid_service import probes, routes
+from conicoid_service import docs_page, probes, routes
+from conicoid_service.access.gate import Gate
+from conicoid_service.access.origins import Origins
 from conicoid_service.guard import Guard
 from conicoid_service.openapi import describe
 from conicoid_service.pipeline import Pipeline
@@ -44,11 +46,22 @@ def create_app(settings: Settings | None = None, pipeline: Pipeline | None = Non
             await running.stop()
 
     app = FastAPI(
-        title="Conicoid", version=__version__, description=DESCRIPTION, lifespan=lifespan, redirect_slashes=False
+        title="Conicoid",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        redirect_slashes=False,
+        docs_url=None,
+        redoc_url=None,
     )
     app.state.settings, app.state.pipeline = settings, running
     app.include_router(probes.router)
     app.include_router(routes.router)
+    app.include_router(docs_page.router)
+    # The last is the outermost: a script asks what it may send before it sends a key.
+    app.add_middleware(Gate, settings.api_keys, settings.owner_requests)
+    if settings.cors_origins:
+        app.add_middleware(Origins, settings.cors_origins)
     app.add_middleware(Guard)
     app.add_exception_handler(ConicoidError, _refuse)
     app.add_exception_handler(HTTPException, _refuse_http)
@@ -62,5 +75,5 @@ async def _refuse(_: Request, error: Exception) -> Response:
 
 async def _refuse_http(request: Request, error: Exception) -> Response:
     refused = cast(HTTPException, error)
-    detail = f"{request.method} {request.url.path}: {refused.detail}; see /docs for what there is"
+    detail = f"{request.method} {request.url.path[:200]}: {refused.detail}; see /docs for what there is"
     return http_problem(refused.status_code, detail, refused.headers)

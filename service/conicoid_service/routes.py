@@ -37,7 +37,7 @@ async def render(request: Request) -> Response:
     `Conicoid-Settled` those that exact arithmetic settled on the host.
     """
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     return await while_connected(request, _render(pipeline, body, request.headers.get("if-none-match")))
 
 
@@ -81,7 +81,7 @@ def _image(image: Image, tag: str, *timings: Timings) -> Response:
 async def canonical(request: Request) -> Response:
     """The document's canonical form: everything resolved, every default filled in; it renders to the same bytes."""
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     text, timings = await while_connected(request, pipeline.canonical(body))
     return Response(text, headers={"Server-Timing": server_timing(timings)}, media_type="application/json")
 
@@ -94,7 +94,7 @@ async def keep(request: Request, response: Response) -> dict[str, Any]:
     always and everywhere. What was not used for longest is dropped when room is needed.
     """
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     kept, timings = await while_connected(request, pipeline.keep(body))
     response.headers.update({"Location": f"/v1/scenes/{kept.id}", "Server-Timing": server_timing(timings)})
     return _about(kept)
