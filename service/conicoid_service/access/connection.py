@@ -4,8 +4,10 @@ uvicorn times nothing but idle connections, and bounds neither heads nor trailer
 bytes or number; its own refusals are problem documents too.
 """
 
-from asyncio import BaseTransport, Transport
+import logging
+from asyncio import BaseTransport, CancelledError, Transport
 from collections.abc import Callable
+from functools import partial
 from http import HTTPStatus
 from typing import Any, Final, cast
 
@@ -17,6 +19,8 @@ from conicoid_service.guard import HEADERS
 from conicoid_service.problems import http_problem, problem
 from conicoid_service.settings import Settings
 
+logger = logging.getLogger(__name__)
+
 HEAD_LIMIT: Final = 1 << 16  # bytes of a request's head, and of anything else between two pieces of a body
 
 
@@ -26,6 +30,7 @@ class Connection(HttpToolsProtocol):
     def __init__(self, settings: Settings, **uvicorn: Any) -> None:
         """A connection for the server that passes the arguments `uvicorn`."""
         super().__init__(**uvicorn)
+        self.app = partial(_answer, self.app)
         self._settings = settings
         self._in_head, self._in_body = True, False
         self._fruitless = 0  # bytes since a head, a piece of a body or a body was complete
@@ -137,6 +142,14 @@ class Connection(HttpToolsProtocol):
     def _abort_if_unread(self) -> None:
         if self.transport.get_write_buffer_size():
             self.transport.abort()
+
+
+async def _answer(app: Any, scope: Any, receive: Any, send: Any) -> None:
+    """Have the application answer. The server cancels that when a stop has taken long enough, which is no defect."""
+    try:
+        await app(scope, receive, send)
+    except CancelledError:
+        logger.info("a request was cut off by the end of the service")
 
 
 class _Timer:
