@@ -128,6 +128,14 @@ def test_what_never_ends_is_refused_at_64_kilobytes(request_bytes: bytes) -> Non
         assert client.post("/v1/render", json=SCENE).status_code == 200
 
 
+def test_a_head_that_comes_at_once_has_the_same_bound() -> None:
+    with serving() as client, connection(client) as bare:
+        bare.sendall(GET + b"X: " + b"x" * 60_000 + b"\r\n\r\n")
+        assert bare.recv(65536).startswith(b"HTTP/1.1 200 ")
+        bare.sendall(GET + b"X: " + b"x" * 66_000 + b"\r\n\r\n")
+        assert problem_in(answer_of(bare))["code"] == "head-limit"
+
+
 def test_a_body_that_stops_is_answered_408_and_leaves_nothing() -> None:
     with serving(uncached(**QUICK)) as client, connection(client) as bare:
         bare.sendall(head(1000) + b"{")

@@ -15,7 +15,7 @@ from starlette.responses import Response
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
 
 from conicoid_service.errors import ConnectionLimitError, HeadLimitError, HeadTimeoutError
-from conicoid_service.guard import HEADERS
+from conicoid_service.guard import HEADERS, Guard
 from conicoid_service.problems import http_problem, problem
 from conicoid_service.settings import Settings
 
@@ -62,8 +62,7 @@ class Connection(HttpToolsProtocol):
         if self.transport.is_closing():
             return
         if self._fruitless > HEAD_LIMIT:
-            what = "head" if self._in_head else "trailer"
-            self._refuse(problem(HeadLimitError(f"the request's {what} has over {HEAD_LIMIT} bytes; send less")))
+            self._refuse(_too_long("head" if self._in_head else "trailer"))
         elif self._in_head and self._fruitless:
             self._slow_head.start()
 
@@ -77,6 +76,8 @@ class Connection(HttpToolsProtocol):
         self._slow_head.stop()
         self._in_head, self._in_body = False, True
         self._fruitless = 0
+        if len(self.url) + sum(len(name) + len(value) for name, value in self.headers) > HEAD_LIMIT:
+            self.app = Guard(_too_long("head"))
         super().on_headers_complete()
 
     def on_body(self, body: bytes) -> None:
@@ -171,6 +172,10 @@ class _Timer:
     def _fire(self) -> None:
         self._handle = None
         self._then()
+
+
+def _too_long(what: str) -> Response:
+    return problem(HeadLimitError(f"the request's {what} has over {HEAD_LIMIT} bytes; send less"))
 
 
 def _on_the_wire(response: Response) -> bytes:
