@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -23,11 +24,13 @@ def free_port() -> int:
 class Service:
     """`conicoid serve`; `inside` is put before the command, to run it in other surroundings."""
 
-    def __init__(self, data_dir: Path, log: Path, inside: tuple[str, ...] = (), **environment: str) -> None:
+    def __init__(
+        self, data_dir: Path, log: Path, inside: tuple[str, ...] = (), environment: Mapping[str, str] | None = None
+    ) -> None:
         self.port = free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self._log, self._inside = log, inside
-        self._environment = {**os.environ, "CONICOID_DATA_DIR": str(data_dir), **environment}
+        self._environment = {**os.environ, "CONICOID_DATA_DIR": str(data_dir), **(environment or {})}
         self._process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:

@@ -53,6 +53,12 @@ class LimitError(ConicoidError):
         self.what, self.limit, self.asked = what, limit, asked
 
 
+class CameraRangeError(ConicoidError):
+    """What follows from the camera's numbers is beyond binary64, in which rays are cast."""
+
+    code = "camera-range"
+
+
 class QuadricsFileError(ConicoidError):
     """Quadrics that were stored are damaged, or not what they should be."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from conicoid.errors import CameraRangeError
 from conicoid.exact.rationals import exact, exact_matrix, nearest
 from conicoid.scene import Camera, Floats, Output
 
@@ -38,7 +39,21 @@ class View:
 
 
 def view_of(camera: Camera, output: Output) -> View:
-    """The frame's constants; `output.normal_space` chooses the target frame of normals."""
+    """The frame's constants; `output.normal_space` chooses the target frame of normals.
+
+    Raises:
+        CameraRangeError: some of them are beyond binary64.
+    """
+    try:
+        return _view_of(camera, output)
+    except OverflowError:
+        raise CameraRangeError(
+            "the camera's rays have components beyond 1.8e308; give focal lengths and a principal point nearer to the "
+            "image's size in pixels"
+        ) from None
+
+
+def _view_of(camera: Camera, output: Output) -> View:
     linear = exact_matrix(camera.world_from_camera[:3, :3])
     right, up, back = ([linear[i, k] for i in range(3)] for k in range(3))
     origin = [exact(value) for value in camera.world_from_camera[:3, 3].tolist()]

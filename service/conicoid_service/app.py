@@ -16,7 +16,9 @@ from starlette.routing import Match
 
 from conicoid import __version__
 from conicoid.errors import ConicoidError
-from conicoid_service import job_routes, probes, routes
+from conicoid_service import docs_page, job_routes, probes, routes
+from conicoid_service.access.gate import Gate
+from conicoid_service.access.origins import Origins
 from conicoid_service.gallery import Gallery
 from conicoid_service.guard import Guard
 from conicoid_service.images import Images
@@ -69,12 +71,23 @@ def create_app(
             images.close()
 
     app = FastAPI(
-        title="Conicoid", version=__version__, description=DESCRIPTION, lifespan=lifespan, redirect_slashes=False
+        title="Conicoid",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        redirect_slashes=False,
+        docs_url=None,
+        redoc_url=None,
     )
     app.state.settings, app.state.pipeline, app.state.gallery, app.state.jobs = settings, running, gallery, None
     app.include_router(probes.router)
     app.include_router(routes.router)
     app.include_router(job_routes.router)
+    app.include_router(docs_page.router)
+    # The last is the outermost: a script asks what it may send before it sends a key.
+    app.add_middleware(Gate, settings.api_keys, settings.owner_requests)
+    if settings.cors_origins:
+        app.add_middleware(Origins, settings.cors_origins)
     app.add_middleware(Guard)
     app.add_exception_handler(ConicoidError, _refuse)
     app.add_exception_handler(HTTPException, _refuse_http)
@@ -102,7 +115,7 @@ async def _refuse(_: Request, error: Exception) -> Response:
 
 async def _refuse_http(request: Request, error: Exception) -> Response:
     refused = cast(HTTPException, error)
-    detail = f"{request.method} {request.url.path}: {refused.detail}; see /docs for what there is"
+    detail = f"{request.method} {request.url.path[:200]}: {refused.detail}; see /docs for what there is"
     headers = refused.headers
     if refused.status_code == 405:  # Starlette names the methods of the first route of the path alone
         headers = {**(headers or {}), "Allow": ", ".join(sorted(_methods(request)))}

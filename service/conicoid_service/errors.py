@@ -1,6 +1,7 @@
 """Every error that the service itself raises, on one page; `docs/errors.md` explains the codes."""
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Self
 
 from conicoid.errors import ConicoidError, Problem
@@ -13,10 +14,55 @@ class ServiceError(ConicoidError):
 
     Attributes:
         retry_after_s: when a client may try again, where that helps.
+        headers: what else the response says in its headers.
     """
 
     code = "internal"
     retry_after_s: int | None = None
+    headers: Mapping[str, str] = MappingProxyType({})
+
+
+class UnauthorizedError(ServiceError):
+    """The request has no API key that is let in."""
+
+    code = "unauthorized"
+    headers = MappingProxyType({"WWW-Authenticate": "Bearer"})
+
+
+class QuotaError(ServiceError):
+    """The API key has as many requests under way as it may."""
+
+    code = "quota"
+    retry_after_s = 1
+
+
+class HeadTimeoutError(ServiceError):
+    """The head of a request did not arrive in time."""
+
+    code = "head-timeout"
+    headers = MappingProxyType({"Connection": "close"})
+
+
+class HeadLimitError(ServiceError):
+    """The head of a request is too long."""
+
+    code = "head-limit"
+    headers = MappingProxyType({"Connection": "close"})
+
+
+class ConnectionLimitError(ServiceError):
+    """As many connections are open as may."""
+
+    code = "connection-limit"
+    retry_after_s = 1
+    headers = MappingProxyType({"Connection": "close"})
+
+
+class BodyTimeoutError(ServiceError):
+    """The body of a request arrives too slowly."""
+
+    code = "body-timeout"
+    headers = MappingProxyType({"Connection": "close"})
 
 
 class MediaTypeError(ServiceError):
@@ -26,9 +72,16 @@ class MediaTypeError(ServiceError):
 
 
 class ContentEncodingError(ServiceError):
-    """The body is compressed; bodies are read as they are."""
+    """The body is compressed in another way than gzip."""
 
     code = "content-encoding"
+    headers = MappingProxyType({"Accept-Encoding": "gzip"})
+
+
+class CompressedDataError(ServiceError):
+    """The body is not the gzip that it says it is, or ends too early."""
+
+    code = "content-encoding-data"
 
 
 class MultipartError(ServiceError):
@@ -134,7 +187,7 @@ class StoreError(ServiceError):
 
 
 class SettingsError(ServiceError):
-    """A setting in the environment is not usable; raised at start, never sent over HTTP."""
+    """A setting in the environment or the file is not usable; raised at start, never sent over HTTP."""
 
     code = "settings"
 

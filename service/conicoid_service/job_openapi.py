@@ -83,7 +83,7 @@ SUBMIT_DOCS: Final[dict[str, Any]] = {
     "responses": {
         202: ACCEPTED,
         200: _answer("The job that the same request made before", "Job", Location=_LOCATION),
-        **problems(400, 404, *_STORAGE),
+        **problems(400, 404, 408, *_STORAGE),
     },
     "openapi_extra": {
         **body_docs({"oneOf": [SCENE, BATCH]}),

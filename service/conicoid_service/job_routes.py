@@ -45,7 +45,7 @@ async def submitted(request: Request, headers: dict[str, str]) -> Response:
     jobs, key = jobs_of(request), request.headers.get("idempotency-key")
     if key is not None and not _KEY.fullmatch(key):
         raise IdempotencyKeyError("Idempotency-Key is not 1 to 255 visible ASCII characters; a UUID will do")
-    body = await receive(request, request.app.state.settings.body_limit)
+    body = await receive(request, request.app.state.settings)
     job, is_new, timings = await while_connected(request, jobs.submit(body, owner_of(request), key))
     document = job_document(job)
     headers |= {"Location": document["href"], "Server-Timing": server_timing(timings)}

@@ -8,6 +8,7 @@ from typing import Any, Final
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from conicoid_service.access.security_scheme import require_keys
 from conicoid_service.problems import MEDIA_TYPE
 from conicoid_service.responses import EXR_TYPE
 
@@ -62,12 +63,14 @@ IF_NONE_MATCH: Final = {
 }
 
 _DESCRIPTIONS: Final = {
-    400: "Not HTTP, JSON, multipart or .npz as it should be",
+    400: "Not HTTP, JSON, multipart, gzip or .npz as it should be",
+    401: "No API key of this service",
     404: "There is no such job, frame or kept scene",
+    408: "The body arrives too slowly",
     413: "More bytes, quadrics or pixels than a limit allows",
-    415: "Not `application/json` or `multipart/form-data`, or compressed",
+    415: "Not `application/json` or `multipart/form-data`, or compressed in another way than gzip",
     422: "The scene document breaks a rule; `errors` names each place",
-    429: "The queue is full; try again after `Retry-After` seconds",
+    429: "The queue is full, or the API key's requests are too many; try again after `Retry-After` seconds",
     500: "A defect, or the render process died with the request in it, twice",
     503: "No device, or starting, or shutting down",
     504: "The deadline passed",
@@ -127,7 +130,7 @@ RENDER_DOCS: Final[dict[str, Any]] = {
             },
         },
         304: {"description": "The client has this image already"},
-        **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
+        **problems(400, 404, 408, 413, 415, 422, 429, 500, 503, 504),
     },
     "openapi_extra": {**body_docs(SCENE), "parameters": [IF_NONE_MATCH]},
 }
@@ -138,7 +141,7 @@ CANONICAL_DOCS: Final[dict[str, Any]] = {
             "content": {"application/json": {"schema": SCENE}},
             "headers": {"Server-Timing": TIMING},
         },
-        **problems(400, 404, 413, 415, 422, 429, 500, 503, 504),
+        **problems(400, 404, 408, 413, 415, 422, 429, 500, 503, 504),
     },
     "openapi_extra": body_docs(SCENE),
 }
@@ -149,7 +152,7 @@ KEEP_DOCS: Final[dict[str, Any]] = {
             "content": {"application/json": {"schema": _KEPT}},
             "headers": {"Location": {"schema": {"type": "string"}}, "Server-Timing": TIMING},
         },
-        **problems(400, 413, 415, 422, 429, 500, 503, 504),
+        **problems(400, 408, 413, 415, 422, 429, 500, 503, 504),
     },
     "openapi_extra": body_docs(_QUADRICS),
 }
@@ -173,4 +176,6 @@ def describe(app: FastAPI) -> dict[str, Any]:
         title=app.title, version=app.version, description=app.description, routes=app.routes, tags=app.openapi_tags
     )
     document.setdefault("components", {})["schemas"] = {"Problem": PROBLEM_SCHEMA, "Scene": json_schema(), **SCHEMAS}
+    if app.state.settings.api_keys:
+        require_keys(document, problems(401, 429))
     return document

@@ -18,20 +18,27 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "scene-json": (400, "Body is not JSON"),
     "scene-npz": (400, "Arrays are not an .npz file"),
     "multipart": (400, "Body is not as its type says"),
+    "content-encoding-data": (400, "Body is not as its encoding says"),
+    "unauthorized": (401, "No API key"),
     "not-found": (404, "Not found"),
     "unknown-scene": (404, "Scene not kept"),
     "unknown-job": (404, "No such job"),
     "frame-not-ready": (404, "Frame not there"),
     "frame-failed": (404, "Frame failed"),
     "method-not-allowed": (405, "Method not allowed"),
+    "body-timeout": (408, "Body too slow"),
+    "head-timeout": (408, "Request too slow"),
     "limit": (413, "Too much work"),
     "media-type": (415, "Unsupported media type"),
     "content-encoding": (415, "Unsupported content encoding"),
+    "camera-range": (422, "Camera beyond binary64"),
     "parameter": (422, "Path or query unusable"),
     "idempotency-key": (422, "Idempotency key unusable"),
     "job-limit": (429, "Too many frames"),
     "queue-full": (429, "Too many requests"),
     "quadrics-file": (500, "Stored quadrics damaged"),
+    "quota": (429, "Too many requests at once"),
+    "head-limit": (431, "Request head too long"),
     "error": (500, "Internal error"),
     "internal": (500, "Internal error"),
     "render-crashed": (500, "Render process crashed"),
@@ -41,6 +48,7 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "not-ready": (503, "Not ready"),
     "stopping": (503, "Shutting down"),
     "no-jobs": (503, "No jobs here"),
+    "connection-limit": (503, "Too many connections"),
     "render-timeout": (504, "Deadline passed"),
     "storage": (507, "Disk full or not writable"),
 }
@@ -49,8 +57,9 @@ SCENE: Final = (422, "Invalid scene document")
 _CODE_OF_STATUS: Final = {404: "not-found", 405: "method-not-allowed"}
 
 
-def problem(error: ConicoidError, headers: Mapping[str, str] | None = None) -> Response:
+def problem(error: ConicoidError) -> Response:
     """The response that tells a client about `error`."""
+    headers: dict[str, str] = {}
     members: dict[str, Any] = {"detail": str(error)}
     if isinstance(error, SceneError | ReportedError) and error.problems:
         members["detail"] = _summary(len(error.problems), str(error.problems[0]))
@@ -59,8 +68,10 @@ def problem(error: ConicoidError, headers: Mapping[str, str] | None = None) -> R
         ]
     if isinstance(error, LimitError | ReportedError) and error.limit is not None:
         members |= {"limit": error.limit, "asked": error.asked}
-    if isinstance(error, ServiceError) and error.retry_after_s is not None:
-        headers = {**(headers or {}), "Retry-After": str(error.retry_after_s)}
+    if isinstance(error, ServiceError):
+        headers = dict(error.headers)
+        if error.retry_after_s is not None:
+            headers["Retry-After"] = str(error.retry_after_s)
     return _response(error.code, members, headers)
 
 

@@ -41,7 +41,7 @@ async def render(request: Request) -> Response:
     if _wants_job(request):
         return await submitted(request, {"Preference-Applied": "respond-async"})
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     asked = _Asked(request.headers.get("if-none-match"), owner_of(request))
     return await while_connected(request, _render(pipeline, request.app.state.gallery, body, asked))
 
@@ -100,7 +100,7 @@ def _wants_job(request: Request) -> bool:
 async def canonical(request: Request) -> Response:
     """The document's canonical form: everything resolved, every default filled in; it renders to the same bytes."""
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     text, timings = await while_connected(request, pipeline.canonical(body))
     return Response(text, headers={"Server-Timing": server_timing(timings)}, media_type="application/json")
 
@@ -113,7 +113,7 @@ async def keep(request: Request, response: Response) -> dict[str, Any]:
     always and everywhere. What was not used for longest is dropped when room is needed.
     """
     settings, pipeline = _parts(request)
-    body = await receive(request, settings.body_limit)
+    body = await receive(request, settings)
     kept, timings = await while_connected(request, pipeline.keep(body))
     response.headers.update({"Location": f"/v1/scenes/{kept.id}", "Server-Timing": server_timing(timings)})
     return _about(kept)

@@ -1,17 +1,27 @@
 """Serving the application over HTTP."""
 
 import asyncio
+import os
+import resource
 import signal
 import socket
 import threading
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
 
 from conicoid_service.errors import StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
-from conicoid_service.settings import Settings
+from conicoid_service.settings import Settings, variable
+
+if TYPE_CHECKING:
+    import uvicorn
+    from fastapi import FastAPI
 
 # Shorter than the 10 s that container runtimes wait before they kill.
 GRACE_S = 8
+# Kept images and scenes, children, the requests' bodies.
+_OWN_DESCRIPTORS = 4096
 
 
 def serve(
@@ -39,11 +49,11 @@ def serve(
     """
     settings = settings or Settings.from_environment()
     keep_freed_memory()
+    os.environ.pop(variable("api_keys"), None)  # no child needs it
+    _allow_descriptors(settings.connection_limit + _OWN_DESCRIPTORS)
     pipeline = Pipeline(settings)
     pipeline.start()
     # Loading these takes as long as starting the children, which goes on meanwhile.
-    import uvicorn
-
     from conicoid_service.app import create_app
     from conicoid_service.jobs.disk import Disk
 
@@ -53,25 +63,44 @@ def serve(
         asyncio.run(pipeline.stop())
         raise
     app = create_app(settings, pipeline, disk=disk)
-    config = uvicorn.Config(
-        app,
-        host=host,
-        port=port,
-        log_level=log_level,
-        timeout_graceful_shutdown=GRACE_S,
-        server_header=False,
-    )
-
-    class Server(uvicorn.Server):
-        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-            """Wait for requests under way, but not for those that only watch a job."""
-            app.state.jobs.drain()
-            await super().shutdown(sockets)
-
-    server = Server(config)
+    server = server_of(app, settings, host=host, port=port, log_level=log_level)
     if threading.current_thread() is threading.main_thread():
         # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.
         for ending in (signal.SIGINT, signal.SIGTERM):
             signal.signal(ending, lambda *_: None)
     server.run(sockets=None if listener is None else [listener])
     return server.started
+
+
+def server_of(app: "FastAPI", settings: Settings, **options: Any) -> "uvicorn.Server":
+    """A server of the application whose connections keep to the settings; `options` are `uvicorn.Config`'s."""
+    import uvicorn
+
+    from conicoid_service.access.connection import Connection
+
+    config = uvicorn.Config(
+        app,
+        http=cast("Any", partial(Connection, settings)),  # called with uvicorn's arguments alone, like a class
+        ws="none",
+        lifespan="on",
+        timeout_graceful_shutdown=GRACE_S,
+        server_header=False,
+        **options,
+    )
+
+    class Server(uvicorn.Server):
+        async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+            """Wait for requests under way, but not for those that only watch a job."""
+            if app.state.jobs is not None:
+                app.state.jobs.drain()
+            await super().shutdown(sockets)
+
+    return Server(config)
+
+
+def _allow_descriptors(most: int) -> None:
+    """Raise the limit of open descriptors, 1,024 as a rule, to `most` if the system lets."""
+    usual, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    if usual != resource.RLIM_INFINITY and usual < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))

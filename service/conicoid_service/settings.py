@@ -1,4 +1,4 @@
-"""The service's settings: typed, read from `CONICOID_...` environment variables, checked at start."""
+"""The service's settings: typed, read from `CONICOID_...` environment variables and a file, checked at start."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -6,7 +6,11 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Self
 
+from conicoid_service.access.keys import Keys
 from conicoid_service.errors import SettingsError
+from conicoid_service.setting_texts import parse_origins, read_file, text_of, value_of
+
+CONFIG = "CONICOID_CONFIG"
 
 
 def _cache_dir() -> Path:
@@ -19,8 +23,10 @@ def _data_dir() -> Path:
     return Path(base) / "conicoid"
 
 
-def _about(kind: Callable[[str], Any], meaning: str, at_least: float | None = None) -> dict[str, Any]:
-    return {"kind": kind, "meaning": meaning, "at_least": at_least}
+def _about(
+    kind: Callable[[str], Any], meaning: str, at_least: float | None = None, *, secret: bool = False
+) -> dict[str, Any]:
+    return {"kind": kind, "meaning": meaning, "at_least": at_least, "secret": secret}
 
 
 @dataclass(frozen=True)
@@ -46,32 +52,42 @@ class Settings:
     frame_limit: int = field(default=10_000, metadata=_about(int, "frames in a job", 1))
     job_pixel_limit: int = field(default=10**11, metadata=_about(int, "pixels rendered in all frames of a job", 1))
     owner_frame_limit: int = field(default=100_000, metadata=_about(int, "frames of one owner that have not ended", 1))
+    api_keys: Keys = field(default=Keys(), metadata=_about(Keys.parse, "API keys that are let in", secret=True))
+    owner_requests: int = field(default=64, metadata=_about(int, "requests of one API key at once", 1))
+    cors_origins: tuple[str, ...] = field(default=(), metadata=_about(parse_origins, "web pages that may read answers"))
+    connection_limit: int = field(default=1000, metadata=_about(int, "open connections", 1))
+    head_timeout_s: float = field(default=20.0, metadata=_about(float, "seconds for a request's head", 0.001))
+    body_timeout_s: float = field(default=30.0, metadata=_about(float, "seconds without a byte of a body", 0.001))
+    send_timeout_s: float = field(
+        default=60.0, metadata=_about(float, "seconds in which an answer stands still", 0.001)
+    )
 
     @classmethod
-    def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Self:
-        """The defaults, with what the environment says instead.
+    def from_environment(cls, environment: Mapping[str, str] = os.environ, file: str | None = None) -> Self:
+        """The defaults; what a file says instead; what the environment says instead of either.
 
+        Args:
+            environment: variables; an empty one is as good as none.
+            file: a TOML file; None for the one that `CONICOID_CONFIG` names, if it does.
         Raises:
-            SettingsError: a variable's value is of the wrong type or out of range.
+            SettingsError: a value is of the wrong type or out of range, or the file is unusable or has unknown keys.
         """
+        path = file or environment.get(CONFIG)
+        written = read_file(path) if path else {}
+        known = {one.name: one.metadata for one in fields(cls)}
+        if unknown := written.keys() - known.keys():
+            raise SettingsError(f"{path}: {min(unknown)} is no setting; the settings are {', '.join(sorted(known))}")
         values = {}
-        for one in fields(cls):
-            text = environment.get(variable(one.name))
-            if text:
-                values[one.name] = _read(variable(one.name), text, **one.metadata)
+        for name, about in known.items():
+            if text := environment.get(variable(name)):
+                values[name] = value_of(variable(name), text, **about)
+            elif name in written:
+                place = f"{path}: {name}"
+                text = text_of(place, written[name], about["kind"], about["secret"])
+                values[name] = value_of(place, text, **about)
         return cls(**values)
 
 
 def variable(name: str) -> str:
     """The environment variable of a setting."""
     return f"CONICOID_{name.upper()}"
-
-
-def _read(place: str, text: str, kind: Callable[[str], Any], meaning: str, at_least: float | None) -> Any:
-    try:
-        value = kind(text)
-    except ValueError:
-        raise SettingsError(f"{place}: {text!r} is not a number; it sets the {meaning}") from None
-    if at_least is not None and not at_least <= value < float("inf"):
-        raise SettingsError(f"{place}: {text!r} is not a finite number >= {at_least:g}; it sets the {meaning}")
-    return value

@@ -10,8 +10,8 @@ from tests.running import Service
 
 def test_service_does_what_its_openapi_document_says(tmp_path: Path) -> None:
     limits = {"CONICOID_PIXEL_LIMIT": "200000", "CONICOID_JOB_PIXEL_LIMIT": "400000", "CONICOID_QUADRIC_LIMIT": "1000"}
-    with Service(tmp_path / "store", tmp_path / "log", **limits) as service:
-        command = [
+    with Service(tmp_path / "store", tmp_path / "log", environment=limits) as service:
+        command: list[str | Path] = [
             Path(sys.executable).with_name("st"), "--config-file", ROOT / "tests/api/schemathesis.toml",
             "run", f"{service.url}/openapi.json",
         ]  # fmt: skip

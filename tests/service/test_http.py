@@ -163,9 +163,11 @@ async def test_json_by_any_of_its_names_is_read(client: httpx.AsyncClient, media
     assert response.status_code == 200
 
 
-async def test_a_compressed_body_is_refused(client: httpx.AsyncClient) -> None:
-    response = await client.post("/v1/render", content=b"\x1f\x8b", headers={**JSON, "Content-Encoding": "gzip"})
+@pytest.mark.parametrize("encoding", ["br", "deflate", "gzip, gzip", "gzip, identity", ""])
+async def test_a_body_that_is_compressed_otherwise_is_refused(client: httpx.AsyncClient, encoding: str) -> None:
+    response = await client.post("/v1/render", content=b"{}", headers={**JSON, "Content-Encoding": encoding})
     assert_problem(response, 415, "content-encoding")
+    assert response.headers["accept-encoding"] == "gzip"
 
 
 @pytest.mark.parametrize("path", SCENE_ROUTES)

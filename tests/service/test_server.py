@@ -15,10 +15,10 @@ from pathlib import Path
 
 import httpx
 import pytest
-import uvicorn
 
 from conicoid_service.app import create_app
 from conicoid_service.pipeline import Pipeline
+from conicoid_service.server import server_of
 from conicoid_service.settings import Settings
 from tests.checkout import ROOT
 from tests.service.conftest import FAKE, SCENE, descriptors, named, uncached
@@ -34,7 +34,7 @@ UNCACHED = uncached()
 def serving(settings: Settings = UNCACHED) -> Iterator[httpx.Client]:
     """A client of a server in a thread of this process, with the fake render process."""
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(settings, Pipeline(settings, FAKE)), log_config=None))
+    server = server_of(create_app(settings, Pipeline(settings, FAKE)), settings, log_config=None)
     thread = threading.Thread(target=server.run, args=([listener],))
     thread.start()
     host, port = listener.getsockname()

@@ -18,13 +18,13 @@ def server(options: argparse.Namespace) -> str | None:
     return options.server or os.environ.get("CONICOID_SERVER") or None
 
 
-def settings() -> "Settings":
-    """The service's settings, from the environment."""
+def settings(file: str | None = None) -> "Settings":
+    """The service's settings, from the environment and a file."""
     from conicoid_service.errors import SettingsError
     from conicoid_service.settings import Settings
 
     try:
-        return Settings.from_environment()
+        return Settings.from_environment(file=file)
     except SettingsError as error:
         raise Failure(str(error)) from None
 

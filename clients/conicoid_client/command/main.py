@@ -79,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
     serve = command("serve", "answer HTTP requests until interrupted")
     serve.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
     serve.add_argument("--port", default=8000, type=_port, help="port to listen on, 0 for any (default: %(default)s)")
+    serve.add_argument("--config", metavar="FILE.toml", help="settings; variables win (default: $CONICOID_CONFIG)")
 
     render = command("render", "render a scene to an OpenEXR file")
     add_scene(render)

@@ -11,7 +11,7 @@ from conicoid_client.command.report import Failure
 
 def run(options: argparse.Namespace) -> None:
     """Listen, then answer until SIGINT or SIGTERM."""
-    configuration = settings()
+    configuration = settings(options.config)
     listener = _listen(options.host, options.port)
     from conicoid_service.errors import StoreError
     from conicoid_service.server import serve

@@ -1,0 +1,89 @@
+"""Settings as they are written: in a TOML file, in an environment variable."""
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from conicoid_service.errors import SettingsError
+
+_RULES: Final[Mapping[Any, str]] = {int: "a whole number", float: "a number"}
+_TOML_TYPES: Final[Mapping[Any, tuple[type, ...]]] = {int: (int,), float: (int, float)}
+_LONGEST_SHOWN: Final = 80
+
+
+def read_file(path: str) -> dict[str, Any]:
+    """The keys of a TOML file.
+
+    Raises:
+        SettingsError: it cannot be read, or is not TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_bytes().decode())
+    except OSError as error:
+        raise SettingsError(f"{path}: cannot be read: {(error.strerror or str(error)).lower()}; name another") from None
+    except ValueError as error:
+        raise SettingsError(f"{path}: is not TOML in UTF-8: {error}; see docs/http.md") from None
+
+
+def text_of(place: str, value: Any, kind: Callable[[str], Any], secret: bool) -> str:
+    """A file's value as an environment variable would have it.
+
+    Raises:
+        SettingsError: it has not the type that TOML has for it.
+    """
+    if kind is parse_origins or secret:
+        value = [value] if type(value) is str else value
+        if type(value) is list and all(type(word) is str for word in value):
+            return " ".join(value)
+        rule = "a string or a list of strings"
+    else:
+        if type(value) in _TOML_TYPES.get(kind, (str,)):
+            return str(value)
+        rule = _RULES.get(kind, "a string")
+    raise SettingsError(f"{place}: {'the value' if secret else _shown(value)} is not {rule}; write {rule}")
+
+
+def value_of(
+    place: str, text: str, kind: Callable[[str], Any], meaning: str, at_least: float | None, secret: bool
+) -> Any:
+    """What a text means.
+
+    Args:
+        place: where it stands, for errors.
+        text: the text.
+        kind: makes a value of it, or raises ValueError.
+        meaning: what the setting sets.
+        at_least: the least value that may be, of a number.
+        secret: whether the text must not be repeated.
+    Raises:
+        SettingsError: with place, value, rule and remedy.
+    """
+    shown = "the value" if secret else _shown(text)
+    try:
+        value = kind(text)
+    except ValueError as error:
+        rule = f"{shown} is not {_RULES[kind]}" if kind in _RULES else str(error)
+        raise SettingsError(f"{place}: {rule}; it sets the {meaning}") from None
+    if at_least is not None and not at_least <= value < float("inf"):
+        raise SettingsError(f"{place}: {shown} is not a finite number >= {at_least:g}; it sets the {meaning}")
+    return value
+
+
+def parse_origins(text: str) -> tuple[str, ...]:
+    """Origins of web pages, between commas or white space, or `*`.
+
+    Raises:
+        ValueError: one is no origin.
+    """
+    origins = tuple(text.replace(",", " ").split())
+    for origin in origins:
+        if origin != "*" and not re.fullmatch(r"https?://(?:[a-z0-9.-]+|\[[0-9a-f:]+\])(?::\d{1,5})?", origin):
+            raise ValueError(f"{_shown(origin)} is no origin; write one like https://example.org, without a path")
+    return origins
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
