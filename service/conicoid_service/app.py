@@ -30,6 +30,7 @@ from conicoid_service.settings import Settings
 if TYPE_CHECKING:
     from conicoid_service.jobs.disk import Disk
 
+ROUTERS = (probes.router, routes.router, job_routes.router, docs_page.router)
 DESCRIPTION = "Exact batch ray-casting of quadrics: scene documents in, OpenEXR depth and normals out."
 
 
@@ -80,10 +81,8 @@ def create_app(
         redoc_url=None,
     )
     app.state.settings, app.state.pipeline, app.state.gallery, app.state.jobs = settings, running, gallery, None
-    app.include_router(probes.router)
-    app.include_router(routes.router)
-    app.include_router(job_routes.router)
-    app.include_router(docs_page.router)
+    for router in ROUTERS:
+        app.include_router(router)
     # The last is the outermost: a script asks what it may send before it sends a key.
     app.add_middleware(Gate, settings.api_keys, settings.owner_requests)
     if settings.cors_origins:
@@ -124,7 +123,8 @@ async def _refuse_http(request: Request, error: Exception) -> Response:
 
 def _methods(request: Request) -> set[str]:
     """The methods of all routes of the request's path."""
-    at = [route for route in request.app.routes if route.matches(request.scope)[0] != Match.NONE]
+    routes_of_all = (route for router in ROUTERS for route in router.routes)
+    at = [route for route in routes_of_all if route.matches(request.scope)[0] != Match.NONE]
     return {method for route in at for method in getattr(route, "methods", None) or ()}
 
 

@@ -250,3 +250,9 @@ async def test_requests_at_once_each_get_their_own_image(client: httpx.AsyncClie
     together = await asyncio.gather(*(client.post("/v1/render", json=scene) for scene in scenes))
     assert [response.content for response in together] == alone
     assert len(set(alone)) == len(alone)
+
+
+async def test_a_wrong_method_names_the_methods_of_all_routes_of_its_path(client: httpx.AsyncClient) -> None:
+    response = await client.put("/v1/jobs/1")
+    assert_problem(response, 405, "method-not-allowed")
+    assert response.headers["allow"] == "DELETE, GET"
