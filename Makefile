@@ -8,7 +8,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree image test-chaos test-embree test-gappa test-intel test-package lock clean
+.PHONY: setup demo test check stress bench embree image load test-api test-chaos test-embree test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -23,7 +23,7 @@ demo: $(SETUP)
 	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
-	.venv/bin/pytest --ignore=tests/chaos --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
+	.venv/bin/pytest --ignore=tests/api --ignore=tests/chaos --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
 
 check: $(SETUP)
 	.venv/bin/ruff format --check .
@@ -49,6 +49,15 @@ $(EMBREE): bench/embree/ellipsoids.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 -O3 -march=native -fno-math-errno -fno-trapping-math -Wall -Wextra -Werror $< -lembree3 -ltbb -o $@
 
+# Twice what the service can do, for ten minutes.
+load: $(SETUP) build/load/.setup
+	.venv/bin/python bench/load.py --locust build/load/bin/locust --output bench/results
+
+build/load/.setup: requirements/load.txt
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
+	touch $@
+
 image:
 	$(ENGINE) build --file docker/Dockerfile --tag conicoid .
 
@@ -68,6 +77,9 @@ $(INTEL)/vendors/intel.icd: requirements/intel.txt
 	$(INTEL)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
 	mkdir -p $(@D)
 	echo $(abspath $(INTEL)/lib/libintelocl.so) > $@
+
+test-api: $(SETUP)
+	.venv/bin/pytest tests/api
 
 # Needs a kernel that lets users make namespaces, for a disk that can be filled.
 test-chaos: $(SETUP)

@@ -3,7 +3,7 @@
 from typing import Any, Final
 
 from conicoid_service.jobs.records import STATES
-from conicoid_service.openapi import EXR_CONTENT, IF_NONE_MATCH, SCENE, TIMING, body_docs, problems
+from conicoid_service.openapi import BATCH, EXR_CONTENT, IF_NONE_MATCH, SCENE, TIMING, body_docs, problems
 
 _TIME: Final = {"type": ["string", "null"], "format": "date-time"}
 _COUNTS: Final = {
@@ -60,24 +60,20 @@ def _answer(description: str, schema: str, **headers: Any) -> dict[str, Any]:
     return {"description": description, "content": content} | ({"headers": headers} if headers else {})
 
 
+def _link(operation: str, **parameters: str) -> dict[str, Any]:
+    return {"operationId": operation, "parameters": {"job_id": "$response.body#/id", **parameters}}
+
+
+_LINKS: Final = {
+    "job": _link("show_job"),
+    "frame": _link("job_frame", number="0"),
+    "events": _link("stream_job_events"),
+    "cancel": _link("cancel_job"),
+}
 _LOCATION: Final = {"description": "of the job", "schema": {"type": "string"}}
-ACCEPTED: Final = _answer("The job is accepted", "Job", **{"Location": _LOCATION, "Server-Timing": TIMING})
-BATCH: Final = {
-    "type": "object",
-    "description": "a scene document with a list of cameras in place of one",
-    "required": ["conicoid", "cameras"],
-    "additionalProperties": False,
-    "properties": {
-        **{
-            key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
-            for key in ("conicoid", "quadrics", "scene", "output")
-        },
-        "cameras": {"type": "array", "minItems": 1, "items": {"$ref": "#/components/schemas/Scene/properties/camera"}},
-    },
-    "oneOf": [
-        {"required": ["quadrics"], "not": {"required": ["scene"]}},
-        {"required": ["scene"], "not": {"required": ["quadrics"]}},
-    ],
+ACCEPTED: Final = {
+    **_answer("The job is accepted", "Job", **{"Location": _LOCATION, "Server-Timing": TIMING}),
+    "links": _LINKS,
 }
 SUBMIT_DOCS: Final[dict[str, Any]] = {
     "responses": {

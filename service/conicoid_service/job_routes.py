@@ -32,7 +32,7 @@ router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 
 
 @router.post("", status_code=202, **SUBMIT_DOCS)
-async def submit(request: Request) -> Response:
+async def submit_job(request: Request) -> Response:
     """Accept a document with `camera` or `cameras` as a job: it is on the disk when the answer comes.
 
     With an `Idempotency-Key` a request that is sent again, because its answer was lost, makes no second job.
@@ -53,7 +53,7 @@ async def submitted(request: Request, headers: dict[str, str]) -> Response:
 
 
 @router.get("", **JOBS_DOCS)
-async def page(
+async def list_jobs(
     request: Request,
     limit: Annotated[int, Query(ge=1, le=_MOST_JOBS)] = 50,
     after: Annotated[str | None, Query(max_length=64)] = None,
@@ -69,7 +69,7 @@ async def page(
 
 
 @router.get("/{job_id}", **JOB_DOCS)
-async def show(
+async def show_job(
     request: Request,
     job_id: JobId,
     first_frame: Annotated[int, Query(ge=0, le=_MOST_NUMBER)] = 0,
@@ -86,7 +86,7 @@ async def show(
 
 
 @router.get("/{job_id}/frames/{number}", response_class=Response, **FRAME_DOCS)
-async def frame(request: Request, job_id: JobId, number: Annotated[int, Path(ge=0, le=_MOST_NUMBER)]) -> Response:
+async def job_frame(request: Request, job_id: JobId, number: Annotated[int, Path(ge=0, le=_MOST_NUMBER)]) -> Response:
     """The image of a frame, once it is there."""
     jobs = jobs_of(request)
     job = await jobs.job(job_id, owner_of(request))
@@ -104,7 +104,7 @@ async def frame(request: Request, job_id: JobId, number: Annotated[int, Path(ge=
 
 
 @router.get("/{job_id}/events", response_class=Response, **EVENTS_DOCS)
-async def events(
+async def stream_job_events(
     request: Request, job_id: JobId, last_event_id: Annotated[str | None, Header(max_length=64)] = None
 ) -> Response:
     """The job's progress as server-sent events: `progress`, `frame` for each frame that ends, `end`.
@@ -121,7 +121,7 @@ async def events(
 
 
 @router.delete("/{job_id}", status_code=202, **CANCEL_DOCS)
-async def cancel(request: Request, job_id: JobId) -> Response:
+async def cancel_job(request: Request, job_id: JobId) -> Response:
     """Cancel a job; frames that are done stay until it expires. Of a job that has ended nothing changes."""
     job, did = await jobs_of(request).cancel(job_id, owner_of(request))
     return _json(job_document(job), 202 if did else 200, {})

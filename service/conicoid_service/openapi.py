@@ -16,6 +16,23 @@ EXR_CONTENT: Final = {EXR_TYPE: {"schema": {"type": "string", "format": "binary"
 SCENE: Final = {"$ref": "#/components/schemas/Scene"}
 TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
 _PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+BATCH: Final = {
+    "type": "object",
+    "description": "a scene document with a list of cameras in place of one",
+    "required": ["conicoid", "cameras"],
+    "additionalProperties": False,
+    "properties": {
+        **{
+            key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
+            for key in ("conicoid", "quadrics", "scene", "output")
+        },
+        "cameras": {"type": "array", "minItems": 1, "items": {"$ref": "#/components/schemas/Scene/properties/camera"}},
+    },
+    "oneOf": [
+        {"required": ["quadrics"], "not": {"required": ["scene"]}},
+        {"required": ["scene"], "not": {"required": ["quadrics"]}},
+    ],
+}
 _QUADRICS: Final = {
     "type": "object",
     "description": "a scene document of which only the quadrics count",
@@ -112,6 +129,7 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 RENDER_DOCS: Final[dict[str, Any]] = {
     "responses": {
+        202: {"description": "With `Prefer: respond-async`: the job that renders it, as `POST /v1/jobs` answers"},
         200: {
             "description": "The image",
             "content": EXR_CONTENT,
@@ -138,12 +156,12 @@ CANONICAL_DOCS: Final[dict[str, Any]] = {
     "responses": {
         200: {
             "description": "The canonical document",
-            "content": {"application/json": {"schema": SCENE}},
+            "content": {"application/json": {"schema": {"oneOf": [SCENE, BATCH]}}},
             "headers": {"Server-Timing": TIMING},
         },
         **problems(400, 404, 408, 413, 415, 422, 429, 500, 503, 504),
     },
-    "openapi_extra": body_docs(SCENE),
+    "openapi_extra": body_docs({"oneOf": [SCENE, BATCH]}),
 }
 KEEP_DOCS: Final[dict[str, Any]] = {
     "responses": {
