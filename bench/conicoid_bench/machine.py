@@ -17,9 +17,9 @@ _LIBRARIES: Final = ("conicoid", "numpy", "pyopencl", "mitsuba", "drjit", "numba
 def machine(engine: Engine) -> dict[str, Any]:
     """Plain values for JSON."""
     return {
-        "commit": _commit(),
+        "commit": commit(),
         "device": asdict(engine.device),
-        "processor": _processor(),
+        "processor": processor(),
         "load": os.getloadavg()[0],
         "system": platform.platform(),
         "python": platform.python_version(),
@@ -34,7 +34,8 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _processor() -> str:
+def processor() -> str:
+    """Its name, as far as the system tells."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -42,7 +43,7 @@ def _processor() -> str:
     return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "")
 
 
-def _commit() -> str | None:
+def commit() -> str | None:
     """The checkout's commit, with + where files differ from it; None where this is not one."""
     here = str(files("conicoid_bench"))
     command = ["git", "-C", here, "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
