@@ -5,6 +5,9 @@ Each class has a stable `code`, which the service sends to clients and `docs/err
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
+
+_LARGEST: Final = 2**63 - 1  # integer that a message can hold
 
 
 class ConicoidError(Exception):
@@ -44,13 +47,19 @@ class SceneError(ConicoidError):
 
 
 class LimitError(ConicoidError):
-    """More work than a limit allows, refused before anything is allocated."""
+    """More work than a limit allows, refused before anything is allocated.
+
+    Attributes:
+        what: that is limited.
+        limit: how much may be asked.
+        asked: how much was, if 64 bits hold it, else what they do.
+    """
 
     code = "limit"
 
     def __init__(self, what: str, limit: int, asked: int) -> None:
         super().__init__(f"{asked} {what} asked, the limit is {limit}; ask for less or raise the limit in the settings")
-        self.what, self.limit, self.asked = what, limit, asked
+        self.what, self.limit, self.asked = what, limit, min(asked, _LARGEST)
 
 
 class CameraRangeError(ConicoidError):

@@ -77,3 +77,9 @@ def test_an_error_is_the_same_problem_whether_raised_here_or_reported_by_a_child
 
 def test_an_error_that_passes_says_when_to_try_again() -> None:
     assert problem(QueueFullError("full")).headers["retry-after"] == "1"
+
+
+def test_a_cost_beyond_64_bits_is_told_as_what_they_hold() -> None:
+    told = problem(LimitError("quadrics", 10, 10**30)).body
+    assert b"9223372036854775807" in told
+    assert f"{10**30} quadrics asked".encode() in told

@@ -225,7 +225,7 @@ class Rows:
         if len(value) > self.most:
             message = f"a list of {len(value)} is longer than {self.most}; give at most {self.most}"
             problems.add(place, message, "scene-length")
-        for i, row in enumerate(value):
+        for i, row in enumerate(value[: self.most]):
             self.row.explain(row, f"{place}[{i}]", problems)
 
     def schema(self) -> dict[str, Any]:
