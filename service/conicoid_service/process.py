@@ -54,6 +54,7 @@ class Process:
             )
             on_error.pop_all()
         self._channel = Channel(ours)
+        self._grace_s = GRACE_S
         self.hello: Message | None = None
 
     def greet(self, configuration: Message, deadline_s: float) -> None:
@@ -94,15 +95,16 @@ class Process:
             raise ReportedError.from_report(reply["failed"])
         return Reply(reply, results)
 
-    def interrupt(self) -> None:
-        """Make a thread that waits in `exchange` see the end of the stream."""
+    def interrupt(self, grace_s: float = GRACE_S) -> None:
+        """Make a thread that waits in `exchange` see the end of the stream, and `end` the child with this grace."""
+        self._grace_s = grace_s
         self._channel.shutdown()
 
-    def end(self, grace_s: float = GRACE_S) -> str:
+    def end(self, grace_s: float | None = None) -> str:
         """Wait for the child to go, kill it if it will not within `grace_s`; how it ended, as in `SIGABRT`."""
         self._channel.shutdown()
         try:
-            status = self._popen.wait(grace_s)
+            status = self._popen.wait(self._grace_s if grace_s is None else grace_s)
         except subprocess.TimeoutExpired:
             self._kill_session()
             status = self._popen.wait()

@@ -1,7 +1,8 @@
 """Keeps one child process alive and gives it one request at a time.
 
 A request whose child dies or passes the deadline is tried once more on a fresh child, then fails; the next request
-finds a working child. One thread owns the child for as long as the child lives (see `worker._die_with_parent`).
+finds a working child. A request that nobody waits for any more still has `PATIENCE_S`, then its child is killed.
+One thread owns the child for as long as the child lives (see `worker._die_with_parent`).
 """
 
 import asyncio
@@ -27,6 +28,7 @@ from conicoid_service.errors import (
 from conicoid_service.process import DeadlineError, Process, ProcessLostError, Reply
 
 ATTEMPTS = 2
+PATIENCE_S = 0.5
 IDLE_CHECK_S = 1.0
 RESTART_DELAYS_S = (1, 2, 5, 10, 30, 60)
 
@@ -48,6 +50,7 @@ class _Task:
     blobs: Sequence[Blob] = ()
     future: "Future[Answer]" = field(default_factory=Future)
     queued_at: float = field(default_factory=time.perf_counter)
+    given_up: threading.Event = field(default_factory=threading.Event)
 
 
 class Supervisor:
@@ -83,6 +86,8 @@ class Supervisor:
         self._thread = threading.Thread(target=self._run, name=f"{name}-supervisor", daemon=True)
         self._stopping = threading.Event()
         self._process: Process | None = None
+        self._exchange = threading.Lock()
+        self._in_child: _Task | None = None
         self._after: str | None = None
         self._failure: ServiceError | None = None
         self._failed_starts = 0
@@ -124,7 +129,9 @@ class Supervisor:
         return self._hello
 
     async def call(self, message: Message, blobs: Sequence[Blob] = ()) -> Answer:
-        """Have the child answer a request; if the caller is cancelled, a request that still waits is dropped.
+        """Have the child answer a request.
+
+        If the caller is cancelled, a request that still waits is dropped; one that runs still has `PATIENCE_S`.
 
         The blobs are taken over: they are closed when the request is done, however it ends.
 
@@ -155,7 +162,15 @@ class Supervisor:
             return await asyncio.wrap_future(task.future)
         except asyncio.CancelledError:
             task.future.add_done_callback(_discard)
+            asyncio.get_running_loop().call_later(PATIENCE_S, self._give_up, task)
             raise
+
+    def _give_up(self, task: _Task) -> None:
+        """Nobody waits for the task: should it still be in the child, it ends with the child."""
+        task.given_up.set()
+        with self._exchange:
+            if self._in_child is task and self._process:
+                self._process.interrupt(grace_s=0)
 
     def _run(self) -> None:
         while not self._stopping.is_set():
@@ -192,9 +207,11 @@ class Supervisor:
             if task.message is None:
                 return Reply(process.hello or {}, [])
             try:
-                return process.exchange(task.message, task.blobs, self._deadline_s)
+                return self._exchange_with(process, task.message, task)
             except ProcessLostError as error:
                 lost = error
+                if task.given_up.is_set():
+                    raise _given_up() from None
                 if self._stopping.is_set():
                     raise _stopping() from None
                 logger.warning("the %s process ended (%s) in attempt %d of a request", self.name, lost, attempt)
@@ -207,6 +224,17 @@ class Supervisor:
             f"the {self.name} process ended ({lost}) with this request in it, {ATTEMPTS} times; "
             "other requests are not affected; report the scene as a defect"
         )
+
+    def _exchange_with(self, process: Process, message: Message, task: _Task) -> Reply:
+        with self._exchange:
+            if task.given_up.is_set():
+                raise _given_up()
+            self._in_child = task
+        try:
+            return process.exchange(message, task.blobs, self._deadline_s)
+        finally:
+            with self._exchange:
+                self._in_child = None
 
     def _keep_process(self) -> Process | None:
         """The living child, started if need be; None, with `_failure` set, while it cannot be started."""
@@ -257,6 +285,10 @@ class Supervisor:
             )
         if not self._stopping.is_set():
             logger.error("the %s process did not start, next try in %d s: %s", self.name, delay_s, error)
+
+
+def _given_up() -> ServiceError:
+    return ServiceError("nobody waits for this request any more")
 
 
 def _stopping() -> StoppingError:
