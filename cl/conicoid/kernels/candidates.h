@@ -13,6 +13,7 @@ typedef struct {
     quadratic cap[2];
     linear sheet;
     int flags, placed;
+    int first_only;             // of the hits on a ray
     __global const int *clip_start, *clip_count;    // by kind
     __global const clip_record *clips;
     double tile_u, tile_v;      // absolute pixels, for the clips
@@ -63,7 +64,7 @@ static void add_setup_noise(general_tile *g, __global const general_record *r, d
 #endif
 
 static inline general_tile move_general(__global const general_record *r, __global const clip_record *clips,
-                                        double tile_u, double tile_v, real near, real far)
+                                        double tile_u, double tile_v, real near, real far, int first_only)
 {
     double du = tile_u - r->centre[0], dv = tile_v - r->centre[1];
     general_tile g;
@@ -82,6 +83,7 @@ static inline general_tile move_general(__global const general_record *r, __glob
     if (g.flags & SHEETS)
         g.sheet = move_linear(r->sheet, du, dv);
     g.placed = r->placed;
+    g.first_only = first_only && !(g.flags & SHEETS) && !g.placed;
     g.clip_start = r->clip_start;
     g.clip_count = r->clip_count;
     g.clips = clips;
@@ -194,95 +196,137 @@ static inline void take(hits *h, const general_tile *g, reals x, real y, mask ke
     h->last = farther ? t : h->last;
 }
 
-// One loop over what is left of the four keeps the kernel small: PoCL inlines every call.
-__attribute__((noinline)) static hits candidates(const general_tile *g, reals x, real y)
+// The lanes where a ray can meet the surface or a cap's plane inside its conic.
+static inline mask may_meet(const general_tile *g, reals s, reals x, real y)
+{
+    if (g->flags & ALWAYS_REAL)
+        return (mask)(-1);
+#if EXACT
+    mask met = ~(s < -g->s.error);
+    for (int side = 0; side < ((g->flags & HAS_CAPS) ? 2 : 0); side++)
+        met |= ~(at_quadratic(g->cap[side], x, y) > g->cap[side].error);
+#else
+    mask met = s >= 0;
+    for (int side = 0; side < ((g->flags & HAS_CAPS) ? 2 : 0); side++)
+        met |= at_quadratic(g->cap[side], x, y) <= 0;
+#endif
+    return met;
+}
+
+// Hits on the lanes of `asked`; any that is certainly beyond `farthest` may be left out. One loop over the four kinds keeps
+// the kernel small: PoCL inlines every call.
+__attribute__((noinline)) static hits candidates(const general_tile *g, reals s, reals x, real y, mask asked, reals farthest)
 {
     hits h;
     h.first = (reals)(INFINITY);
     h.last = (reals)(0);
     h.kind = (mask)(0);
-    reals t[4], error[4];
-    mask kept[4], doubt = (mask)(0);
-    int kind[4], count = 0;
+    reals t[4], error[4], a, q;
+    mask kept[4] = {(mask)(0), (mask)(0), (mask)(0), (mask)(0)}, doubt = (mask)(0);
 
-    reals s = at_quadratic(g->s, x, y);
-    mask real_roots = s >= 0;
+    mask real_roots = asked;
+    if (!(g->flags & ALWAYS_REAL))
+#if EXACT
+        real_roots &= ~(s < -g->s.error);
+#else
+        real_roots &= s >= 0;
+#endif
 #if EXACT
     h.first_error = h.last_error = (reals)(0);
     h.last_kind = (mask)(0);
     h.doubt = (mask)(0);
-    real_roots = ~(s < -g->s.error);
+    reals q_error;
 #endif
-    if (g->flags & ALWAYS_REAL)
-        real_roots = (mask)(-1);
-    if (some(real_roots)) {
-        reals a = at_quadratic(g->a, x, y);
+    int have_roots = some(real_roots);
+    if (have_roots) {
+        a = at_quadratic(g->a, x, y);
         reals b = at_linear(g->b, x, y);
         reals c = at_quadratic(g->c, x, y);
         reals root = sqrt(s > 0 ? s : (reals)(0));
-        reals q = b < 0 ? root - b : -(root + b);
-        t[ROOT_A] = q / a;
+        q = b < 0 ? root - b : -(root + b);
         t[ROOT_C] = c / q;
-        kept[ROOT_A] = kept[ROOT_C] = real_roots;
-        kind[ROOT_A] = ROOT_A;
-        kind[ROOT_C] = ROOT_C;
-        count = 2;
+        kept[ROOT_C] = real_roots;
 #if EXACT
         reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
         reals size_a = magnitude(a), size_q = magnitude(q);
-        reals q_error = g->b.error + root_error + 4 * UNIT_ROUNDOFF * size_q;
+        q_error = g->b.error + root_error + 4 * UNIT_ROUNDOFF * size_q;
         // First-order terms doubled: they are small wherever the divisors are clear of their errors.
-        reals size_ta = magnitude(t[ROOT_A]), size_tc = magnitude(t[ROOT_C]);
-        error[ROOT_A] = 2 * (q_error + size_ta * g->a.error) / size_a + 2 * UNIT_ROUNDOFF * size_ta;
+        reals size_tc = magnitude(t[ROOT_C]);
         error[ROOT_C] = 2 * (g->c.error + size_tc * q_error) / size_q + 2 * UNIT_ROUNDOFF * size_tc;
-        // Where S is known to be zero both roots are one.
-        kept[ROOT_A] &= (g->s.error > 0 ? (mask)(-1) : (mask)(s != 0));
         // Negated, so that numbers out of range, and their bounds, are in doubt too.
         doubt = real_roots & ~((s >= CLEAR * g->s.error) & (size_a >= CLEAR * g->a.error) & (size_q >= CLEAR * q_error));
-        if (g->flags & SHEETS) {
-            mask swapped = first_sheet_is_a(g, b, x, y);
-            reals t_c = t[0], error_c = error[0];
-            t[0] = swapped ? t[1] : t_c;
-            t[1] = swapped ? t_c : t[1];
-            error[0] = swapped ? error[1] : error_c;
-            error[1] = swapped ? error_c : error[1];
-            doubt |= real_roots & ~(magnitude(at_linear(g->sheet, x, y)) >= g->sheet.error);
-        }
-        for (int k = 0; k < 2; k++)
-            if (g->placed & (16 << k))
-                kept[k] = (mask)(0);
 #endif
     }
-    if (g->flags & HAS_CAPS)
-        for (int side = 0; side < ((g->flags & FLAT) ? 1 : 2); side++) {
-            if (g->placed & (16 << (CAP_LOW + side)))
-                continue;
-            reals inside = -at_quadratic(g->cap[side], x, y);
-            mask in_disc = inside >= 0;
+    mask left = asked;
+    int complete = 0;
+    for (int kind = have_roots ? 0 : CAP_LOW; kind < 4; kind++) {
+        if (!complete && (kind > 0 || !g->first_only)) {
+            complete = 1;
+            if (!some(left))
+                break;
+            if (have_roots) {
+                t[ROOT_A] = q / a;
+                kept[ROOT_A] = real_roots & left;
 #if EXACT
-            mask open = ~(magnitude(inside) >= g->cap[side].error);
-            in_disc |= open;
+                reals size_a = magnitude(a), size_ta = magnitude(t[ROOT_A]);
+                error[ROOT_A] = 2 * (q_error + size_ta * g->a.error) / size_a + 2 * UNIT_ROUNDOFF * size_ta;
+                // Where S is known to be zero both roots are one.
+                kept[ROOT_A] &= (g->s.error > 0 ? (mask)(-1) : (mask)(s != 0));
+                if (g->flags & SHEETS) {
+                    mask swapped = first_sheet_is_a(g, at_linear(g->b, x, y), x, y);
+                    reals t_c = t[0], error_c = error[0];
+                    t[0] = swapped ? t[1] : t_c;
+                    t[1] = swapped ? t_c : t[1];
+                    error[0] = swapped ? error[1] : error_c;
+                    error[1] = swapped ? error_c : error[1];
+                    doubt |= real_roots & ~(magnitude(at_linear(g->sheet, x, y)) >= g->sheet.error);
+                }
+                for (int k = 0; k < 2; k++)
+                    if (g->placed & (16 << k))
+                        kept[k] = (mask)(0);
 #endif
-            if (!some(in_disc))
-                continue;
-            reals height = at_linear(g->height, x, y);
-            t[count] = -at_linear(g->range[side], x, y) / height;
-            kept[count] = in_disc;
-            kind[count] = side == 0 ? CAP_LOW : CAP_HIGH;
+            }
+            for (int side = 0; side < (!(g->flags & HAS_CAPS) ? 0 : (g->flags & FLAT) ? 1 : 2); side++) {
+                if (g->placed & (16 << (CAP_LOW + side)))
+                    continue;
+                reals inside = -at_quadratic(g->cap[side], x, y);
+                mask in_disc = left & (inside >= 0);
 #if EXACT
-            reals size = magnitude(height), size_of_t = magnitude(t[count]);
-            error[count] = 2 * (g->range[side].error + size_of_t * g->height.error) / size + 2 * UNIT_ROUNDOFF * size_of_t;
-            doubt |= open | (in_disc & ~(size >= CLEAR * g->height.error));
+                mask open = left & ~(magnitude(inside) >= g->cap[side].error);
+                in_disc |= open;
 #endif
-            count++;
+                if (!some(in_disc))
+                    continue;
+                int cap = CAP_LOW + side;
+                reals height = at_linear(g->height, x, y);
+                t[cap] = -at_linear(g->range[side], x, y) / height;
+                kept[cap] = in_disc;
+#if EXACT
+                reals size = magnitude(height), size_of_t = magnitude(t[cap]);
+                error[cap] = 2 * (g->range[side].error + size_of_t * g->height.error) / size + 2 * UNIT_ROUNDOFF * size_of_t;
+                doubt |= open | (in_disc & ~(size >= CLEAR * g->height.error));
+#endif
+            }
         }
-    for (int k = 0; k < count; k++) {
-        kept[k] = in_depth(g, kind[k], t[k], error[k], kept[k], &doubt);
-        if ((g->flags & HAS_RANGE) && kind[k] < CAP_LOW && !(g->placed & (1 << kind[k])))
-            kept[k] = in_range(g, t[k], error[k], x, y, kept[k], &doubt);
-        if (g->clip_count[kind[k]] > 0 && some(kept[k]))
-            kept[k] = in_clips(g, kind[k], t[k], error[k], x, y, kept[k], &doubt);
-        take(&h, g, x, y, kept[k], t[k], error[k], kind[k]);
+        if (!some(kept[kind]))
+            continue;
+#if EXACT
+        mask beyond = t[kind] - error[kind] > farthest;
+#else
+        mask beyond = t[kind] > farthest;
+#endif
+        kept[kind] = in_depth(g, kind, t[kind], error[kind], kept[kind] & ~beyond, &doubt);
+        if (kind < CAP_LOW && (g->flags & HAS_RANGE) && !(g->placed & (1 << kind)) && some(kept[kind]))
+            kept[kind] = in_range(g, t[kind], error[kind], x, y, kept[kind], &doubt);
+        if (g->clip_count[kind] > 0 && some(kept[kind]))
+            kept[kind] = in_clips(g, kind, t[kind], error[kind], x, y, kept[kind], &doubt);
+        take(&h, g, x, y, kept[kind], t[kind], error[kind], kind);
+        if (kind == ROOT_C && g->first_only) {
+            // The other root is farther than a positive one of kind C, or negative. So is what caps close where a > 0 and
+            // both are positive, as q then is: f <= 0 is between the roots there.
+            mask done = (kept[kind] | beyond) & ~doubt;
+            left &= ~((g->flags & HAS_CAPS) ? done & (a > 0) & (q > 0) : done);
+        }
     }
 #if EXACT
     h.doubt |= doubt;

@@ -1,6 +1,6 @@
 // Casting general records.
 
-static int cast_general(tile_state *tile, const general_tile *g, int slot, __global const int *box, const lists *in)
+static int cast_general(tile_state *tile, const general_tile *g, int slot, __global const slot_record *r, const lists *in)
 {
     const real half_tile = TILE / 2;
 #if EXACT
@@ -10,13 +10,26 @@ static int cast_general(tile_state *tile, const general_tile *g, int slot, __glo
     if (!(g->flags & (HAS_CAPS | ALWAYS_REAL)) && highest_quadratic(g->s, half_tile) * (real)1.0000001 < 0)
         return 0;
 #endif
-    int y0 = max(box[1] - in->v0, 0), y1 = min(box[3] - in->v0, TILE);
-    int c0 = max(box[0] - in->u0, 0) / LANES, c1 = min((box[2] - in->u0 + LANES - 1) / LANES, VECTORS);
+    int y0 = max(r->box[1] - in->v0, 0), y1 = min(r->box[3] - in->v0, TILE);
+    int c0 = max(r->box[0] - in->u0, 0) / LANES, c1 = min((r->box[2] - in->u0 + LANES - 1) / LANES, VECTORS);
     int improved = 0;
     for (int y = y0; y < y1; y++)
         for (int c = c0; c < c1; c++) {
             int cell = y * VECTORS + c;
-            hits h = candidates(g, in->ramp + (real)(c * LANES), y + (real)0.5 - half_tile);
+            reals x = in->ramp + (real)(c * LANES);
+            real py = y + (real)0.5 - half_tile;
+            reals bar = bar_of(tile, cell, (reals)(0));
+            mask asked = (reals)((real)r->nearest) >= bar;
+            if (!some(asked))
+                continue;
+            reals s = at_quadratic(g->s, x, py);
+            asked &= may_meet(g, s, x, py);
+            if (!some(asked))
+                continue;
+            // A hit beyond this is behind the winner, whatever the rounding.
+            reals farthest = in->orthographic ? magnitude(bar) * (real)1e-6 - bar : (real)(1 + 1e-6) / bar;
+            farthest = in->want_back ? (reals)(INFINITY) : farthest;
+            hits h = candidates(g, s, x, py, asked, farthest);
             mask hit = h.first < INFINITY;
             reals slop = (reals)(0);
 #if EXACT
