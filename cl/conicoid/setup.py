@@ -32,7 +32,7 @@ GENERAL: Final = np.dtype(
         ("moment", "f8", (3, 3)), ("range", "f8", (2, 3)), ("end", "f8", 2), ("cap", "f8", (2, 6)), ("form", "f8", 10),
         ("normal", "f8", (3, 3)), ("kappa", "f8"), ("fixed_norm", "f8"), ("moving_norm", "f8", 3),
         ("moment_norm", "f8", 3), ("form_sum", "f8"), ("spatial_sum", "f8"), ("compound_sum", "f8"),
-        ("sheet", "f8", 3), ("face", "f8", (2, 3)), ("centre", "i4", 2), ("flags", "i4"), ("placed", "i4"),
+        ("sheet", "f8", 3), ("face", "f8", (2, 3)), ("slab", "f8", (3, 4)), ("centre", "i4", 2), ("flags", "i4"), ("placed", "i4"),
         ("clip_start", "i4", 4), ("clip_count", "i4", 4),
     ],
     align=True,
@@ -121,7 +121,8 @@ class Setup:
 
     def __init__(self, queue: Queue) -> None:
         self._queue = queue
-        self._bound = build(queue.context, ["bounds.cl"]).bound_quadrics
+        bounding = build(queue.context, ["records.h", "projected.h", "bounds.cl", "slabs.cl"])
+        self._bound, self._closely = bounding.bound_quadrics, bounding.bound_closely
         program = build(queue.context, [
             "dd.h", "records.h", "family.h", "simple_forms.h", "setup_quick.cl", "setup_simple.cl", "setup_general.cl",
         ])  # fmt: skip
@@ -175,6 +176,11 @@ class Setup:
                       queue.read_only(quadrics.capped.view(np.uint8)), queue.read_only(model.extent.flags),
                       queue.read_only(quadrics.clip_start), centres, rays, np.float64(unit), orthographic,
                       queue.read_only(view.target), queue.in_place(general))  # fmt: skip
+            extent = model.extent
+            queue.run(self._closely, -(-len(rows) // 4), np.int32(len(rows)), queue.read_only(rows), world,
+                      queue.read_only(extent.centre), queue.read_only(extent.half), queue.read_only(extent.kind),
+                      queue.read_only(view.image_rows), queue.read_only(view.origin), view.principal, orthographic,
+                      queue.in_place(general))  # fmt: skip
             slots["box"][general_slots], slots["nearest"][general_slots] = box[rows], nearest_key[general_slots]
             slots["general"][general_slots], slots["quadric"][general_slots] = np.arange(len(rows)), rows
         if len(quadrics.clip):

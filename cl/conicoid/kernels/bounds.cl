@@ -5,26 +5,6 @@
 #define SIMPLE 1
 #define GENERAL 2
 
-// Of extent.py.
-#define UNBOUNDED 0
-#define ELLIPSOID 1
-#define BOX 2
-
-// Relative slack for the few roundings of a dot product of three terms and what is derived from it.
-#define SLACK 0x1p-44
-
-#define AT(vector, lane) (((__private double *)&(vector))[lane])
-
-typedef struct {
-    double4 low, high;
-} interval;
-
-static inline double4 dot3(const double4 *a, const double4 *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-static inline double4 larger(double4 a, double4 b) { return a > b ? a : b; }
-
-static inline double4 smaller(double4 a, double4 b) { return a < b ? a : b; }
-
 static inline double4 reach(const double4 *a, long4 ellipsoid)
 {
     double4 sum = fabs(a[0]) + fabs(a[1]) + fabs(a[2]);
@@ -57,10 +37,7 @@ static inline interval box_pixels(double4 t, const double4 *a, double4 depth, co
 {
     interval r = {(double4)(INFINITY), (double4)(-INFINITY)};
     for (int corner = 0; corner < 8; corner++) {
-        double4 x = (double4)((corner & 1) ? 1.0 : -1.0);
-        double4 y = (double4)((corner & 2) ? 1.0 : -1.0);
-        double4 z = (double4)((corner & 4) ? 1.0 : -1.0);
-        double4 p = (t + x * a[0] + y * a[1] + z * a[2]) / (depth + x * da[0] + y * da[1] + z * da[2]);
+        double4 p = at_corner(t, a, corner) / at_corner(depth, da, corner);
         r.low = smaller(r.low, p);
         r.high = larger(r.high, p);
     }
@@ -79,44 +56,16 @@ void bound_quadrics(int count, __global const double *world_from_object, __globa
     int first = 4 * (get_global_id(0) + get_global_size(0) * get_global_id(1));
     if (first >= count)
         return;
-    double4 m[12], centre[3], half_size[3];
+    int row[4], boxes = 0;
     long4 ellipsoid, bounded;
-    int boxes = 0;
     for (int lane = 0; lane < 4; lane++) {
-        int i = min(first + lane, count - 1);
-        for (int k = 0; k < 12; k++)
-            AT(m[k], lane) = world_from_object[12 * i + k];
-        for (int k = 0; k < 3; k++) {
-            AT(centre[k], lane) = object_centre[3 * i + k];
-            AT(half_size[k], lane) = object_half[3 * i + k];
-        }
+        int i = row[lane] = min(first + lane, count - 1);
         ((__private long *)&ellipsoid)[lane] = kind[i] == ELLIPSOID ? -1 : 0;
         ((__private long *)&bounded)[lane] = kind[i] != UNBOUNDED ? -1 : 0;
         boxes |= kind[i] == BOX;
     }
-    double4 g[3], magnitude[3];
-    for (int r = 0; r < 3; r++) {
-        double4 shift = (double4)(0.0), size = (double4)(0.0);
-        for (int k = 0; k < 3; k++) {
-            shift += m[4 * r + k] * centre[k];
-            size += fabs(m[4 * r + k] * centre[k]);
-        }
-        g[r] = (m[4 * r + 3] - origin[r]) + shift;
-        magnitude[r] = fabs(m[4 * r + 3] - origin[r]) + size;
-    }
-    double4 t[3], a[3][3], noise[3];
-    for (int r = 0; r < 3; r++) {
-        t[r] = noise[r] = (double4)(0.0);
-        for (int k = 0; k < 3; k++) {
-            t[r] += image_rows[3 * r + k] * g[k];
-            noise[r] += fabs(image_rows[3 * r + k]) * magnitude[k];
-            a[r][k] = (double4)(0.0);
-            for (int j = 0; j < 3; j++)
-                a[r][k] += image_rows[3 * r + j] * m[4 * j + k];
-            a[r][k] *= half_size[k];
-        }
-        noise[r] *= SLACK;
-    }
+    projected p = project(row, world_from_object, object_centre, object_half, image_rows, origin);
+    const double4 *t = p.t, *noise = p.noise, (*a)[3] = p.a;
     double4 depth_reach = reach(a[2], ellipsoid);
     depth_reach += SLACK * depth_reach + noise[2];
     double4 low = t[2] - depth_reach;

@@ -68,12 +68,7 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
         if (r->general < 0) {
             stale |= cast_simple(&tile, r, slot, &in);
         } else {
-            general_tile g = move_general(general + r->general, clips, u0 + TILE / 2, v0 + TILE / 2, in.near, in.far, !in.want_back);
-            in.general_count++;
-#if EXACT
-            g.where = (places){place_of + 4 * slot, known};
-#endif
-            stale |= cast_general(&tile, &g, slot, r, &in);
+            stale |= cast_general(&tile, r, slot, &in);
         }
         hit |= stale;
     }

@@ -1,9 +1,53 @@
 // Casting general records.
 
-static int cast_general(tile_state *tile, const general_tile *g, int slot, __global const slot_record *r, const lists *in)
+// The strips of a record that cross a tile, about its middle.
+typedef struct {
+    int count;
+    real u[3], v[3], low[3], high[3];
+} strips;
+
+// Returns whether the tile is within reach of all.
+static inline int cut_by(__global const general_record *r, double du, double dv, strips *out)
+{
+    out->count = 0;
+    for (int k = 0; k < 3; k++) {
+        double u = r->slab[k][0], v = r->slab[k][1], middle = u * du + v * dv, reach = (TILE / 2) * (fabs(u) + fabs(v));
+        double low = r->slab[k][2] - middle, high = r->slab[k][3] - middle;
+        if (low > reach || high < -reach)
+            return 0;
+        if (low > -reach || high < reach) {
+            out->u[out->count] = (real)u;
+            out->v[out->count] = (real)v;
+            out->low[out->count] = (real)low;
+            out->high[out->count++] = (real)high;
+        }
+    }
+    return 1;
+}
+
+static inline mask in_strips(const strips *s, reals x, real y)
+{
+    mask inside = (mask)(-1);
+    for (int k = 0; k < s->count; k++) {
+        reals at = s->u[k] * x + s->v[k] * y;
+        inside &= (at >= s->low[k]) & (at <= s->high[k]);
+    }
+    return inside;
+}
+
+static int cast_general(tile_state *tile, __global const slot_record *r, int slot, lists *in)
 {
     const real half_tile = TILE / 2;
+    __global const general_record *form = in->general + r->general;
+    double middle_u = in->u0 + TILE / 2, middle_v = in->v0 + TILE / 2;
+    strips edges;
+    if (!cut_by(form, middle_u - form->centre[0], middle_v - form->centre[1], &edges))
+        return 0;
+    general_tile tile_form = move_general(form, in->clips, middle_u, middle_v, in->near, in->far, !in->want_back);
+    const general_tile *g = &tile_form;
+    in->general_count++;
 #if EXACT
+    tile_form.where = (places){in->where.of + 4 * slot, in->where.known};
     if (!(g->flags & (HAS_CAPS | ALWAYS_REAL)) && highest_quadratic(g->s, half_tile) < -2 * g->s.error)
         return 0;
 #else
@@ -19,7 +63,7 @@ static int cast_general(tile_state *tile, const general_tile *g, int slot, __glo
             reals x = in->ramp + (real)(c * LANES);
             real py = y + (real)0.5 - half_tile;
             reals bar = bar_of(tile, cell, (reals)(0));
-            mask asked = (reals)((real)r->nearest) >= bar;
+            mask asked = ((reals)((real)r->nearest) >= bar) & in_strips(&edges, x, py);
             if (!some(asked))
                 continue;
             reals s = at_quadratic(g->s, x, py);

@@ -53,6 +53,7 @@ typedef struct {
     // With SHEETS: what tells which root is which, and the sheets' normals that face the eye.
     double sheet[LINEAR];
     double face[2][3];
+    double slab[3][4];          // the image is where low <= nu u + nv v <= high: nu, nv, low, high; all 0 where unknown
     int centre[2];
     int flags;
     // By kind of hit (candidates.h). A flat piece whose half-spaces exact arithmetic has reduced to lines across the
