@@ -61,12 +61,16 @@ void cast_tiles(__global const frame *f, __global const int *tile_end, __global 
             __builtin_prefetch(slots + list[k + AHEAD]);
             __builtin_prefetch((__global const char *)(slots + list[k + AHEAD]) + 64);
         }
+        if (k + 2 < end && slots[list[k + 2]].general >= 0)
+            for (int line = 0; line < 10; line++)
+                __builtin_prefetch((__global const char *)(general + slots[list[k + 2]].general) + 64 * line);
         __global const slot_record *r = slots + slot;
         // The list is in depth order, its bounds widened: nothing behind every pixel can win, or tie.
         if ((real)r->nearest < farthest)
             break;
         if (r->general < 0) {
             stale |= cast_simple(&tile, r, slot, &in);
+            in.simple_count++;
         } else {
             stale |= cast_general(&tile, r, slot, &in);
         }

@@ -1,12 +1,12 @@
 // Casting general records.
 
-// The strips of a record that cross a tile, about its middle.
+// What of a tile a record's strips leave, row by row.
 typedef struct {
     int count;
-    real u[3], v[3], low[3], high[3];
+    real v[3], low[3], high[3];     // of x, over v y
 } strips;
 
-// Returns whether the tile is within reach of all.
+// Returns whether all of them reach the tile.
 static inline int cut_by(__global const general_record *r, double du, double dv, strips *out)
 {
     out->count = 0;
@@ -15,24 +15,33 @@ static inline int cut_by(__global const general_record *r, double du, double dv,
         double low = r->slab[k][2] - middle, high = r->slab[k][3] - middle;
         if (low > reach || high < -reach)
             return 0;
-        if (low > -reach || high < reach) {
-            out->u[out->count] = (real)u;
-            out->v[out->count] = (real)v;
-            out->low[out->count] = (real)low;
-            out->high[out->count++] = (real)high;
+        // One along the rows cuts none of them in two.
+        if ((low > -reach || high < reach) && fabs(u) > 1e-3) {
+            double per_u = 1.0 / u;
+            out->v[out->count] = (real)(v * per_u);
+            out->low[out->count] = (real)((u > 0.0 ? low : high) * per_u);
+            out->high[out->count++] = (real)((u > 0.0 ? high : low) * per_u);
         }
     }
     return 1;
 }
 
-static inline mask in_strips(const strips *s, reals x, real y)
+// Narrows the cells [c0, c1) of the row at y.
+static inline void narrow(const strips *s, real y, int *c0, int *c1)
 {
-    mask inside = (mask)(-1);
+    const real first = (TILE - 1) / (real)2;
+    real low = -first, high = first;
     for (int k = 0; k < s->count; k++) {
-        reals at = s->u[k] * x + s->v[k] * y;
-        inside &= (at >= s->low[k]) & (at <= s->high[k]);
+        real along = s->v[k] * y;
+        low = max(low, s->low[k] - along);
+        high = min(high, s->high[k] - along);
     }
-    return inside;
+    if (low > high) {
+        *c1 = 0;
+        return;
+    }
+    *c0 = max(*c0, (int)(low + first) / LANES);
+    *c1 = min(*c1, (int)(high + first) / LANES + 1);
 }
 
 static int cast_general(tile_state *tile, __global const slot_record *r, int slot, lists *in)
@@ -57,13 +66,15 @@ static int cast_general(tile_state *tile, __global const slot_record *r, int slo
     int y0 = max(r->box[1] - in->v0, 0), y1 = min(r->box[3] - in->v0, TILE);
     int c0 = max(r->box[0] - in->u0, 0) / LANES, c1 = min((r->box[2] - in->u0 + LANES - 1) / LANES, VECTORS);
     int improved = 0;
-    for (int y = y0; y < y1; y++)
-        for (int c = c0; c < c1; c++) {
+    for (int y = y0; y < y1; y++) {
+        real py = y + (real)0.5 - half_tile;
+        int begin = c0, end = c1;
+        narrow(&edges, py, &begin, &end);
+        for (int c = begin; c < end; c++) {
             int cell = y * VECTORS + c;
             reals x = in->ramp + (real)(c * LANES);
-            real py = y + (real)0.5 - half_tile;
             reals bar = bar_of(tile, cell, (reals)(0));
-            mask asked = ((reals)((real)r->nearest) >= bar) & in_strips(&edges, x, py);
+            mask asked = (reals)((real)r->nearest) >= bar;
             if (!some(asked))
                 continue;
             reals s = at_quadratic(g->s, x, py);
@@ -98,5 +109,6 @@ static int cast_general(tile_state *tile, __global const slot_record *r, int slo
             }
             improved = 1;
         }
+    }
     return improved;
 }

@@ -127,10 +127,11 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     // Keeps the squares below within binary32's range.
     reals size = magnitude(v1) + magnitude(v2) + magnitude(v3) + magnitude(v4);
     size = size > 0 ? size : (reals)(1);
-    v1 /= size;
-    v2 /= size;
-    v3 /= size;
-    v4 /= size;
+    reals per_size = 1 / size;
+    v1 *= per_size;
+    v2 *= per_size;
+    v3 *= per_size;
+    v4 *= per_size;
     reals g1 = d[0] * v1 + d[1] * v2 + d[2] * v3 + d[3] * v4;
     reals g2 = d[1] * v1 + d[4] * v2 + d[5] * v3 + d[6] * v4;
     reals g3 = d[2] * v1 + d[5] * v2 + d[7] * v3 + d[8] * v4;
@@ -164,7 +165,7 @@ __attribute__((noinline)) static vector3 general_normal_at(const general_tile *g
     n.z *= grow;
 #if EXACT
     reals root_error = g->s.error > 0 ? g->s.error / root : (reals)(0);
-    n.error = ((m->floor + m->root * root + m->root_error * root_error) / size + m->rounding) * grow * 1.7321;
+    n.error = ((m->floor + m->root * root + m->root_error * root_error) * per_size + m->rounding) * grow * 1.7321;
     // A cap's normal is one row of the map, a singular surface has none.
     // One whose components all vanish, or seem to, is in doubt.
     n.error = length > 0 ? n.error : (reals)(1);

@@ -5,7 +5,7 @@ typedef struct {
     int u0, v0;             // the tile's first pixel
     reals ramp;             // lane centres of the tile's first cell, from its middle
     int orthographic, want_back;
-    int general_count;      // of the tile's candidates so far
+    int general_count, simple_count;    // of the tile's candidates so far
     real near, far;
     __global const slot_record *slots;
     __global const general_record *general;

@@ -31,28 +31,8 @@ typedef struct {
     int quadric;                // place in the document
 } slot_record;
 
-// Any quadric with any extent.
+// Any quadric with any extent. What casting reads comes first, in ten lines of a cache.
 typedef struct {
-    double s[QUADRATIC];
-    double a[QUADRATIC];
-    double b[LINEAR];
-    double c[QUADRATIC];
-    double x[3][LINEAR];
-    double y[3][LINEAR];
-    double moment[3][LINEAR];   // L12, L13, L23 with Lij = Xi Yj - Xj Yi
-    double range[2][LINEAR];    // X3 - z0/c, X3 - z1/c
-    double end[2];              // |z0/c|, |z1/c|
-    double cap[2][QUADRATIC];   // f at the point where the ray meets z = z0, z1, times Y3^2
-    double form[10];            // D11 D12 D13 D14 D22 D23 D24 D33 D34 D44
-    double normal[3][3];        // target normal = normal x parameter-space gradient
-    // What set-up itself may have lost: sizes that its double-doubles had before anything cancelled.
-    double kappa;               // condition of the placement
-    double fixed_norm, moving_norm[LINEAR];
-    double moment_norm[LINEAR]; // of the six Pluecker coordinates, after cancelling
-    double form_sum, spatial_sum, compound_sum;  // sums of |Dij|, of those with i, j <= 3, of D's |2x2 minors|
-    // With SHEETS: what tells which root is which, and the sheets' normals that face the eye.
-    double sheet[LINEAR];
-    double face[2][3];
     double slab[3][4];          // the image is where low <= nu u + nv v <= high: nu, nv, low, high; all 0 where unknown
     int centre[2];
     int flags;
@@ -60,6 +40,26 @@ typedef struct {
     // image is `placed`: its bit, and 16 times its bit where it is never seen; its list holds those lines alone.
     int placed;
     int clip_start[4], clip_count[4];
+    double s[QUADRATIC];
+    double a[QUADRATIC];
+    double b[LINEAR];
+    double c[QUADRATIC];
+    double range[2][LINEAR];    // X3 - z0/c, X3 - z1/c
+    double end[2];              // |z0/c|, |z1/c|
+    double cap[2][QUADRATIC];   // f at the point where the ray meets z = z0, z1, times Y3^2
+    double y[3][LINEAR];
+    // What set-up itself may have lost: sizes that its double-doubles had before anything cancelled.
+    double kappa;               // condition of the placement
+    double fixed_norm, moving_norm[LINEAR];
+    double moment_norm[LINEAR]; // of the six Pluecker coordinates, after cancelling
+    double form_sum, spatial_sum, compound_sum;  // sums of |Dij|, of those with i, j <= 3, of D's |2x2 minors|
+    double x[3][LINEAR];
+    double moment[3][LINEAR];   // L12, L13, L23 with Lij = Xi Yj - Xj Yi
+    double form[10];            // D11 D12 D13 D14 D22 D23 D24 D33 D34 D44
+    double normal[3][3];        // target normal = normal x parameter-space gradient
+    // With SHEETS: what tells which root is which, and the sheets' normals that face the eye.
+    double sheet[LINEAR];
+    double face[2][3];
 } general_record;
 
 #define HAS_RANGE 1

@@ -68,7 +68,8 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
             g = move_general(r, in->clips, middle_u, middle_v, in->near, in->far, 0);
             gn = move_general_normal(r, middle_u - r->centre[0], middle_v - r->centre[1]);
         }
-        for (int cell = start; cell < CELLS; cell++) {
+        int last = min(in->slots[slot].box[3] - in->v0, TILE) * VECTORS;
+        for (int cell = start; cell < last; cell++) {
             mask mine = left[cell] == (mask)(slot);
             if (!some(mine))
                 continue;
@@ -167,7 +168,7 @@ static void finish_winners(__global const frame *f, const window *w, tile_state 
     vector3 gradient[CELLS];
     if (in->general_count > 0)
         general_gradients(f, tile, in, gradient);
-    for (int cell = 0; cell < CELLS; cell++) {
+    for (int cell = 0; cell < CELLS && in->simple_count > 0; cell++) {
         reals u = in->ramp + (real)(cell % VECTORS * LANES + in->u0 + TILE / 2);
         real v = cell / VECTORS + in->v0 + (real)0.5;
         vector3 none = {(reals)(0), (reals)(0), (reals)(0)};
