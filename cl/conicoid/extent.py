@@ -16,11 +16,14 @@ BOX: Final = 2
 
 ALWAYS_REAL: Final = 4
 SINGULAR: Final = 8
+RISING: Final = 128
 
 _CODE: Final = {shape.name: shape.code for shape in SHAPES}
 # Shapes that are bounded as a whole, by code.
 _CLOSED: Final = np.array([shape.name in {"sphere", "ellipsoid"} for shape in SHAPES])
 _MAY_LIE_IN_AN_END: Final = np.array([shape.name in {"plane", "parallel_planes"} for shape in SHAPES])
+_PAIRS_OF_PLANES: Final = np.array([shape.name in {"plane", "parallel_planes", "crossed_planes"} for shape in SHAPES])
+_RISING: Final = np.array([shape.name != "quadric" and min(shape.squares) >= 0 for shape in SHAPES])
 # Widens every computed size: a box may be too large by this, never too small.
 _SLACK: Final = 1 + 2.0**-40
 
@@ -32,7 +35,7 @@ class Extent:
     Attributes:
         kind: (n,) uint8: UNBOUNDED, ELLIPSOID (the whole surface, half-axes `half`) or BOX.
         centre, half: (n, 3) float64, middle and half size of the bounding box along the object axes.
-        flags: (n,) int32, ALWAYS_REAL and SINGULAR of `kernels/records.h`.
+        flags: (n,) int32, ALWAYS_REAL, SINGULAR and RISING of `kernels/records.h`.
         whole: (n,) bool, ellipsoids without extent of any kind.
     """
 
@@ -99,8 +102,7 @@ def _bounded(quadrics: Quadrics, rows: NDArray[np.intp]) -> tuple[NDArray[np.uin
         ):
             chosen = ranged & (shape == _CODE[name])
             half[chosen, :2] = radii[chosen, :2] * widening[chosen, None]
-    flags = np.where(np.isin(shape, [_CODE[name] for name in ("plane", "parallel_planes", "crossed_planes")]),
-                     ALWAYS_REAL, 0).astype(np.int32)  # fmt: skip
+    flags = (ALWAYS_REAL * _PAIRS_OF_PLANES[shape] | RISING * _RISING[shape]).astype(np.int32)
     for row in np.flatnonzero(shape == _CODE["quadric"]):
         matrix = quadrics.matrix[quadrics.matrix_row[rows[row]]]
         centre[row], half[row] = _definite_box(matrix)

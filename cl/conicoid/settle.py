@@ -29,7 +29,6 @@ _SMALLEST: Final = 2.0**-280
 
 _HAS_CAPS: Final = 2
 _ALWAYS_REAL: Final = 4
-_ORTHOGRAPHIC: Final = 32
 
 # Below this, solving pixels is quicker than casting again.
 _FEW: Final = 256
@@ -49,7 +48,7 @@ def settle(scene: Scene, visible: Visible, bins: Bins, cast: Cast, refine: Refin
     """
     settlement = _Settlement(scene, visible, bins)
     if scene.output.precision == "exact":
-        settlement.refine(_drowned(visible.general))
+        settlement.refine(np.flatnonzero(visible.general["drowned"]))
     planes, doubts = cast(settlement.visible)
     for step in (settlement.place, settlement.refine_seen, settlement.place):
         if np.count_nonzero(doubts["reasons"] & _DOUBT_HIT) <= _FEW:
@@ -161,29 +160,6 @@ class _Settlement:
             if pixel is not None and pixel.z <= depth:
                 return pixel
         return self._exact.pixel(x, y, self.visible.quadric[slots].tolist())
-
-
-def _drowned(general: NDArray[Any]) -> NDArray[np.intp]:
-    """Rows whose a, b, c or S is no larger than what set-up may have lost: exactly zero, more often than not.
-
-    A paraboloid seen along its axis has a = 0 at every pixel, an eye on a surface c = 0, a cylinder seen end-on both
-    b = 0 and S = 0.
-    """
-    if not len(general):
-        return np.empty(0, dtype=np.intp)
-    # One row for each coefficient: NumPy takes maxima along the short side of a table many times slower.
-    largest = {name: np.abs(general[name].T, order="C").max(axis=0) for name in ("a", "b", "c", "s", "moment_norm")}
-    fixed, moving, moment = general["fixed_norm"], general["moving_norm"][:, 2], largest["moment_norm"]
-    orthographic = (general["flags"] & _ORTHOGRAPHIC) != 0
-    x, y = np.where(orthographic, moving, fixed), np.where(orthographic, fixed, moving)
-    with np.errstate(all="ignore"):
-        unit = 2.0**-89 * general["kappa"]
-        drowned = largest["a"] <= unit * general["spatial_sum"] * y * y
-        drowned |= largest["b"] <= unit * general["form_sum"] * x * y
-        drowned |= largest["c"] <= unit * general["form_sum"] * x * x
-        drowned |= largest["s"] <= unit * general["compound_sum"] * (2 * moment + unit * x * y) * x * y
-    rows: NDArray[np.intp] = np.flatnonzero(drowned & (general["spatial_sum"] > 0))
-    return rows
 
 
 def _write_record(record: Any, forms: ExactForms, shrink: int, unit: float) -> None:

@@ -6,6 +6,9 @@
 #define CAP_LOW 2
 #define CAP_HIGH 3
 
+// Half-spaces that are moved to a tile once, not for every vector.
+#define MOST_MOVED 8
+
 typedef struct {
     quadratic s, a, c;
     linear b;
@@ -16,7 +19,9 @@ typedef struct {
     int first_only;             // of the hits on a ray
     __global const int *clip_start, *clip_count;    // by kind
     __global const clip_record *clips;
-    double tile_u, tile_v;      // absolute pixels, for the clips
+    linear offset[MOST_MOVED], slope[MOST_MOVED];   // of the clips from `first_moved` on
+    int first_moved, moved;
+    double tile_u, tile_v;      // absolute pixels, for the other clips
     real near, far;
 #if EXACT
     places where;
@@ -87,6 +92,7 @@ static inline general_tile move_general(__global const general_record *r, __glob
     g.clip_start = r->clip_start;
     g.clip_count = r->clip_count;
     g.clips = clips;
+    g.moved = 0;
     g.tile_u = tile_u;
     g.tile_v = tile_v;
     g.near = near;
@@ -133,10 +139,10 @@ static inline mask in_depth(const general_tile *g, int kind, reals t, reals erro
 static inline mask in_clips(const general_tile *g, int kind, reals t, reals error, reals x, real y, mask kept,
                             mask *doubt)
 {
-    __global const clip_record *clip = g->clips + g->clip_start[kind];
-    for (int k = 0; k < g->clip_count[kind]; k++, clip++) {
-        linear offset = move_linear(clip->offset, g->tile_u, g->tile_v);
-        linear slope = move_linear(clip->slope, g->tile_u, g->tile_v);
+    for (int k = g->clip_start[kind]; k < g->clip_start[kind] + g->clip_count[kind]; k++) {
+        int at = k - g->first_moved, ready = at >= 0 && at < g->moved;
+        linear offset = ready ? g->offset[at] : move_linear(g->clips[k].offset, g->tile_u, g->tile_v);
+        linear slope = ready ? g->slope[at] : move_linear(g->clips[k].slope, g->tile_u, g->tile_v);
         reals along = at_linear(slope, x, y);
         reals value = at_linear(offset, x, y) + along * t;
         KEEP(kept, *doubt, value,
@@ -196,18 +202,22 @@ static inline void take(hits *h, const general_tile *g, reals x, real y, mask ke
     h->last = farther ? t : h->last;
 }
 
+// Whether a cap may be hit where S < 0: f has one sign on such a ray, that of a, and caps are where f <= 0.
+static inline int beyond_roots(const general_tile *g) { return (g->flags & (HAS_CAPS | RISING)) == HAS_CAPS; }
+
 // The lanes where a ray can meet the surface or a cap's plane inside its conic.
 static inline mask may_meet(const general_tile *g, reals s, reals x, real y)
 {
     if (g->flags & ALWAYS_REAL)
         return (mask)(-1);
+    int sides = beyond_roots(g) ? 2 : 0;
 #if EXACT
     mask met = ~(s < -g->s.error);
-    for (int side = 0; side < ((g->flags & HAS_CAPS) ? 2 : 0); side++)
+    for (int side = 0; side < sides; side++)
         met |= ~(at_quadratic(g->cap[side], x, y) > g->cap[side].error);
 #else
     mask met = s >= 0;
-    for (int side = 0; side < ((g->flags & HAS_CAPS) ? 2 : 0); side++)
+    for (int side = 0; side < sides; side++)
         met |= at_quadratic(g->cap[side], x, y) <= 0;
 #endif
     return met;

@@ -44,6 +44,53 @@ static inline void narrow(const strips *s, real y, int *c0, int *c1)
     *c1 = min(*c1, (int)(high + first) / LANES + 1);
 }
 
+static void move_clips(general_tile *g)
+{
+    g->first_moved = g->clip_start[0];
+    g->moved = min(g->clip_count[0], MOST_MOVED);
+    for (int k = 0; k < g->moved; k++) {
+        g->offset[k] = move_linear(g->clips[g->first_moved + k].offset, g->tile_u, g->tile_v);
+        g->slope[k] = move_linear(g->clips[g->first_moved + k].slope, g->tile_u, g->tile_v);
+    }
+}
+
+// The depths at which anything is kept somewhere on the tile.
+typedef struct {
+    real low, high;
+} stretch;
+
+// Cuts off the depths t > 0 where side (offset + t slope) < 0 on all of the tile.
+static inline stretch keep_side(stretch s, const linear *offset, const linear *slope, real side)
+{
+    const real h = TILE / 2;
+    real most = side * offset->one + h * (fabs(offset->u) + fabs(offset->v));
+    real steepest = side * slope->one + h * (fabs(slope->u) + fabs(slope->v));
+#if EXACT
+    most += 2 * offset->error;
+    steepest += 2 * slope->error;
+#endif
+    if (steepest > 0)
+        s.low = most < 0 ? max(s.low, -most / steepest) : s.low;
+    else if (most < 0)
+        s.high = -1;
+    else if (steepest < 0)
+        s.high = min(s.high, -most / steepest);
+    return s;
+}
+
+// Whether some depth is inside the range and on the right side of all clips.
+static inline int within_reach(const general_tile *g)
+{
+    if (g->placed)
+        return 1;
+    stretch s = {g->near, g->far};
+    for (int k = 0; k < g->moved; k++)
+        s = keep_side(s, &g->offset[k], &g->slope[k], 1);
+    for (int side = 0; side < ((g->flags & HAS_RANGE) ? 2 : 0); side++)
+        s = keep_side(s, &g->range[side], &g->height, side == 0 ? 1 : -1);
+    return !(s.low * (real)(1 - 1e-5) > s.high);
+}
+
 static int cast_general(tile_state *tile, __global const slot_record *r, int slot, lists *in)
 {
     const real half_tile = TILE / 2;
@@ -57,12 +104,15 @@ static int cast_general(tile_state *tile, __global const slot_record *r, int slo
     in->general_count++;
 #if EXACT
     tile_form.where = (places){in->where.of + 4 * slot, in->where.known};
-    if (!(g->flags & (HAS_CAPS | ALWAYS_REAL)) && highest_quadratic(g->s, half_tile) < -2 * g->s.error)
-        return 0;
+    real noise = 2 * g->s.error;
 #else
-    if (!(g->flags & (HAS_CAPS | ALWAYS_REAL)) && highest_quadratic(g->s, half_tile) * (real)1.0000001 < 0)
-        return 0;
+    real noise = 0;
 #endif
+    if (!(g->flags & ALWAYS_REAL) && !beyond_roots(g) && highest_quadratic(g->s, half_tile) * (real)1.0000001 < -noise)
+        return 0;
+    move_clips(&tile_form);
+    if (!within_reach(g))
+        return 0;
     int y0 = max(r->box[1] - in->v0, 0), y1 = min(r->box[3] - in->v0, TILE);
     int c0 = max(r->box[0] - in->u0, 0) / LANES, c1 = min((r->box[2] - in->u0 + LANES - 1) / LANES, VECTORS);
     int improved = 0;

@@ -40,6 +40,7 @@ typedef struct {
     // image is `placed`: its bit, and 16 times its bit where it is never seen; its list holds those lines alone.
     int placed;
     int clip_start[4], clip_count[4];
+    int drowned;                // whether a, b, c or S is no larger than what set-up may have lost
     double s[QUADRATIC];
     double a[QUADRATIC];
     double b[LINEAR];
@@ -68,6 +69,7 @@ typedef struct {
 #define SINGULAR 8      // the gradient vanishes at every real point: double planes, lines, points
 #define FLAT 16         // z0 = z1: both caps are one, and the first wins
 #define ORTHOGRAPHIC 32
+#define RISING 128      // f's quadratic part is never negative: a >= 0
 #define SHEETS 64       // two placed planes: the kinds of the roots mean the first and the second
 
 // A half-space as seen along the rays: (n.X + d) + t (n.Y) >= 0, linear in absolute pixels.

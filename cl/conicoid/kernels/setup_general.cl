@@ -8,6 +8,27 @@ static inline void store(__global double *out, const dd *values, int count, int 
 
 static inline int nonzero(dd x) { return any(x.hi != (double4)(0.0)); }
 
+static inline double largest(__global const double *c, int count)
+{
+    double size = 0.0;
+    for (int k = 0; k < count; k++)
+        size = fmax(size, fabs(c[k]));
+    return size;
+}
+
+// More often than not exactly zero: a paraboloid seen along its axis has a = 0 at every pixel, an eye on a surface c = 0,
+// a cylinder seen end-on both b = 0 and S = 0.
+static int drowned(__global const general_record *r)
+{
+    int orthographic = r->flags & ORTHOGRAPHIC;
+    double x = orthographic ? r->moving_norm[2] : r->fixed_norm, y = orthographic ? r->fixed_norm : r->moving_norm[2];
+    double unit = 0x1p-89 * r->kappa;
+    return r->spatial_sum > 0.0 &&
+           (largest(r->a, QUADRATIC) <= unit * r->spatial_sum * y * y ||
+            largest(r->b, LINEAR) <= unit * r->form_sum * x * y || largest(r->c, QUADRATIC) <= unit * r->form_sum * x * x ||
+            largest(r->s, QUADRATIC) <= unit * r->compound_sum * (2.0 * largest(r->moment_norm, LINEAR) + unit * x * y) * x * y);
+}
+
 // Every other quadric: S = -L' C2(D) L with D's second compound matrix (Cauchy-Binet), so that S is exactly zero for
 // a double plane and a sum of squares where the surface is real everywhere.
 __kernel __attribute__((reqd_work_group_size(1, 1, 1)))
@@ -169,6 +190,7 @@ void set_up_general(int count, __global const int *list, __global const double *
         r->flags = form_flags[q] | (isfinite(z_range[2 * q]) ? HAS_RANGE : 0) | (capped[q] ? HAS_CAPS : 0) |
                    (z_range[2 * q] == z_range[2 * q + 1] ? FLAT : 0) | (orthographic ? ORTHOGRAPHIC : 0);
         r->placed = 0;
+        r->drowned = drowned(r);
         for (int kind = 0; kind < 4; kind++) {
             r->clip_start[kind] = clip_start[q];
             r->clip_count[kind] = clip_start[q + 1] - clip_start[q];
