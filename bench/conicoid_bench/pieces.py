@@ -1,4 +1,4 @@
-"""Generated scenes of quadrics that are ranged, capped or clipped: the ellipsoids of workloads.py, replaced by others."""
+"""Generated scenes of ranged, capped and clipped quadrics, each in the place of an ellipsoid of workloads.py."""
 
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ from conicoid_bench.workloads import ellipsoids, quadrics_of, spheres
 
 _CODE = {shape.name: shape.code for shape in SHAPES}
 _RULED = ("cone", "hyperboloid_one_sheet", "hyperboloid_two_sheets", "paraboloid")
+_ARRAYS = ("shape", "radii", "matrix_row", "world_from_object", "z_range", "capped")
 _SLENDER = 8  # a stick's length over its diameter
 
 
@@ -80,10 +81,10 @@ def _cylinders(radius: Floats, half_length: Floats, centre: Floats, turn: Floats
 
 def _joined(first: Quadrics, second: Quadrics) -> Quadrics:
     """Both, neither of which has clips, matrices or names."""
-    count = len(first) + len(second)
-    arrays = {
-        name: np.concatenate([getattr(first, name), getattr(second, name)])
-        for name in ("shape", "radii", "matrix_row", "world_from_object", "z_range", "capped")
-    }
+    shape, radii, matrix_row, place, z_range, capped = (
+        np.concatenate([getattr(first, name), getattr(second, name)]) for name in _ARRAYS
+    )
+    count = len(shape)
     ids = np.arange(1, count + 1, dtype=np.uint32)
-    return replace(first, **arrays, id=ids, clip_start=np.zeros(count + 1, dtype=np.int32))
+    start = np.zeros(count + 1, dtype=np.int32)
+    return Quadrics(shape, radii, matrix_row, first.matrix, place, ids, z_range, capped, first.clip, start, {})

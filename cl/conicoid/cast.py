@@ -14,8 +14,8 @@ from conicoid.setup import Visible
 from conicoid.view import View
 
 _FILES: Final = [
-    "records.h", "lanes.h", "polynomials.h", "tile.h", "certify.h", "places.h", "offer.h", "candidates.h", "general.h",
-    "normals.h", "simple.h", "winners.h", "channels.h", "cast.cl",
+    "records.h", "lanes.h", "polynomials.h", "tile.h", "certify.h", "places.h", "offer.h", "general_tile.h",
+    "extents.h", "candidates.h", "general.h", "normals.h", "simple.h", "winners.h", "channels.h", "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
 # Planes lie in this order, whatever order the document asks them in.

@@ -29,11 +29,11 @@ SLOT: Final = np.dtype(
 GENERAL: Final = np.dtype(
     [
         ("slab", "f8", (3, 4)), ("centre", "i4", 2), ("flags", "i4"), ("placed", "i4"), ("clip_start", "i4", 4),
-        ("clip_count", "i4", 4), ("drowned", "i4"), ("s", "f8", 6), ("a", "f8", 6), ("b", "f8", 3), ("c", "f8", 6), ("range", "f8", (2, 3)),
-        ("end", "f8", 2), ("cap", "f8", (2, 6)), ("y", "f8", (3, 3)), ("kappa", "f8"), ("fixed_norm", "f8"),
-        ("moving_norm", "f8", 3), ("moment_norm", "f8", 3), ("form_sum", "f8"), ("spatial_sum", "f8"),
-        ("compound_sum", "f8"), ("x", "f8", (3, 3)), ("moment", "f8", (3, 3)), ("form", "f8", 10),
-        ("normal", "f8", (3, 3)), ("sheet", "f8", 3), ("face", "f8", (2, 3)),
+        ("clip_count", "i4", 4), ("drowned", "i4"), ("s", "f8", 6), ("a", "f8", 6), ("b", "f8", 3), ("c", "f8", 6),
+        ("range", "f8", (2, 3)), ("end", "f8", 2), ("cap", "f8", (2, 6)), ("y", "f8", (3, 3)), ("kappa", "f8"),
+        ("fixed_norm", "f8"), ("moving_norm", "f8", 3), ("moment_norm", "f8", 3), ("form_sum", "f8"),
+        ("spatial_sum", "f8"), ("compound_sum", "f8"), ("x", "f8", (3, 3)), ("moment", "f8", (3, 3)),
+        ("form", "f8", 10), ("normal", "f8", (3, 3)), ("sheet", "f8", 3), ("face", "f8", (2, 3)),
     ],
     align=True,
 )  # fmt: skip

@@ -6,28 +6,6 @@
 #define CAP_LOW 2
 #define CAP_HIGH 3
 
-// Half-spaces that are moved to a tile once, not for every vector.
-#define MOST_MOVED 8
-
-typedef struct {
-    quadratic s, a, c;
-    linear b;
-    linear range[2], height;    // X3 - z/c at both ends; Y3
-    quadratic cap[2];
-    linear sheet;
-    int flags, placed;
-    int first_only;             // of the hits on a ray
-    __global const int *clip_start, *clip_count;    // by kind
-    __global const clip_record *clips;
-    linear offset[MOST_MOVED], slope[MOST_MOVED];   // of the clips from `first_moved` on
-    int first_moved, moved;
-    double tile_u, tile_v;      // absolute pixels, for the other clips
-    real near, far;
-#if EXACT
-    places where;
-#endif
-} general_tile;
-
 typedef struct {
     reals first, last;  // t of the first and last kept hit; first is INFINITY, last 0, where nothing is kept
     mask kind;          // of the first
@@ -41,127 +19,13 @@ typedef struct {
 #if EXACT
 // S this many times its error bound is safely a hit: the root's error is then below 1/16 of sqrt(error).
 #define CLEAR 64.0
-
-// What set-up lost in double-double, in the sizes that its terms had before they cancelled.
-static void add_setup_noise(general_tile *g, __global const general_record *r, double du, double dv)
-{
-    double moving = norm_at(r->moving_norm, du, dv);
-    double x = (g->flags & ORTHOGRAPHIC) ? moving : r->fixed_norm;
-    double y = (g->flags & ORTHOGRAPHIC) ? r->fixed_norm : moving;
-    // Every double-double is within 2^-98 kappa of its size, a Pluecker coordinate within twice that of x y; products
-    // of two such then differ by 2 l d + d^2. The last doubling is for what a dozen more operations add.
-    double unit = 0x1p-95 * r->kappa;
-    double l = norm_at(r->moment_norm, du, dv), d = unit * x * y;
-    g->s.error += r->compound_sum * ((2.0 * l + d) * d + 0x1p-95 * l * l);
-    g->a.error += unit * r->spatial_sum * y * y;
-    g->b.error += unit * r->form_sum * x * y;
-    g->c.error += unit * r->form_sum * x * x;
-    if (!(g->flags & HAS_RANGE))
-        return;
-    for (int side = 0; side < 2; side++) {
-        double end = r->end[side];
-        g->range[side].error += unit * (x + end);
-        double e = l * (1.0 + end), de = d * (1.0 + end);
-        g->cap[side].error += r->form_sum * ((2.0 * e + de) * de + 0x1p-95 * e * e);
-    }
-    g->height.error += unit * y;
-}
 #endif
-
-static inline general_tile move_general(__global const general_record *r, __global const clip_record *clips,
-                                        double tile_u, double tile_v, real near, real far, int first_only)
-{
-    double du = tile_u - r->centre[0], dv = tile_v - r->centre[1];
-    general_tile g;
-    g.s = move_quadratic(r->s, du, dv);
-    g.a = move_quadratic(r->a, du, dv);
-    g.c = move_quadratic(r->c, du, dv);
-    g.b = move_linear(r->b, du, dv);
-    g.flags = r->flags;
-    if (g.flags & HAS_RANGE) {
-        for (int side = 0; side < 2; side++) {
-            g.range[side] = move_linear(r->range[side], du, dv);
-            g.cap[side] = move_quadratic(r->cap[side], du, dv);
-        }
-        g.height = move_linear(r->y[2], du, dv);
-    }
-    if (g.flags & SHEETS)
-        g.sheet = move_linear(r->sheet, du, dv);
-    g.placed = r->placed;
-    g.first_only = first_only && !(g.flags & SHEETS) && !g.placed;
-    g.clip_start = r->clip_start;
-    g.clip_count = r->clip_count;
-    g.clips = clips;
-    g.moved = 0;
-    g.tile_u = tile_u;
-    g.tile_v = tile_v;
-    g.near = near;
-    g.far = far;
-#if EXACT
-    add_setup_noise(&g, r, du, dv);
-#endif
-    return g;
-}
 
 // With f = k (e + g t)(e' + g' t), `sheet` is k (e g' - e' g), twice a signed root of S: where it has the sign of b,
 // q = -k e g' and so q/a = -e/g.
 static inline mask first_sheet_is_a(const general_tile *g, reals b, reals x, real y)
 {
     return ~((at_linear(g->sheet, x, y) < 0) ^ (b < 0));
-}
-
-// Keeps the lanes of `kept` where value >= 0 (NaN drops), and notes those that the error leaves open.
-#if EXACT
-#define KEEP(kept, doubt, value, error)                   \
-    do {                                                  \
-        doubt |= kept & ~(magnitude(value) >= (error));   \
-        kept &= (value) >= 0;                             \
-    } while (0)
-#else
-#define KEEP(kept, doubt, value, error) kept &= (value) >= 0
-#endif
-
-static inline mask in_depth(const general_tile *g, int kind, reals t, reals error, mask kept, mask *doubt)
-{
-    // A root beyond all numbers is none; written so that a NaN is not kept.
-    kept &= magnitude(t) < INFINITY;
-    KEEP(kept, *doubt, t, 2 * error);
-    kept &= t > 0;
-    if (g->placed & (1 << kind))
-        return kept;
-    if (g->near > 0)
-        KEEP(kept, *doubt, t - g->near, error + 2 * (real)UNIT_ROUNDOFF * g->near);
-    if (g->far < INFINITY)
-        KEEP(kept, *doubt, g->far - t, error + 2 * (real)UNIT_ROUNDOFF * g->far);
-    return kept;
-}
-
-static inline mask in_clips(const general_tile *g, int kind, reals t, reals error, reals x, real y, mask kept,
-                            mask *doubt)
-{
-    for (int k = g->clip_start[kind]; k < g->clip_start[kind] + g->clip_count[kind]; k++) {
-        int at = k - g->first_moved, ready = at >= 0 && at < g->moved;
-        linear offset = ready ? g->offset[at] : move_linear(g->clips[k].offset, g->tile_u, g->tile_v);
-        linear slope = ready ? g->slope[at] : move_linear(g->clips[k].slope, g->tile_u, g->tile_v);
-        reals along = at_linear(slope, x, y);
-        reals value = at_linear(offset, x, y) + along * t;
-        KEEP(kept, *doubt, value,
-             offset.error + t * slope.error + magnitude(along) * error + CHAIN * (offset.error * (1 / CHAIN) + magnitude(along * t)));
-    }
-    return kept;
-}
-
-static inline mask in_range(const general_tile *g, reals t, reals error, reals x, real y, mask kept, mask *doubt)
-{
-    reals height = at_linear(g->height, x, y);
-    reals rise = height * t;
-    for (int side = 0; side < 2; side++) {
-        reals offset = at_linear(g->range[side], x, y);
-        reals value = side == 0 ? offset + rise : -(offset + rise);
-        KEEP(kept, *doubt, value,
-             g->range[side].error + t * g->height.error + magnitude(height) * error + CHAIN * (magnitude(offset) + magnitude(rise)));
-    }
-    return kept;
 }
 
 #if EXACT
@@ -321,9 +185,9 @@ __attribute__((noinline)) static hits candidates(const general_tile *g, reals s,
         if (!some(kept[kind]))
             continue;
 #if EXACT
-        mask beyond = t[kind] - error[kind] > farthest;
+        mask beyond = kept[kind] & (t[kind] - error[kind] > farthest);
 #else
-        mask beyond = t[kind] > farthest;
+        mask beyond = kept[kind] & (t[kind] > farthest);
 #endif
         kept[kind] = in_depth(g, kind, t[kind], error[kind], kept[kind] & ~beyond, &doubt);
         if (kind < CAP_LOW && (g->flags & HAS_RANGE) && !(g->placed & (1 << kind)) && some(kept[kind]))

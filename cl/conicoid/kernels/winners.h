@@ -65,7 +65,7 @@ static void general_gradients(__global const frame *f, tile_state *tile, const l
         general_normal gn;
         if (general >= 0) {
             __global const general_record *r = in->general + general;
-            g = move_general(r, in->clips, middle_u, middle_v, in->near, in->far, 0);
+            g = move_general(r, in->clips, middle_u, middle_v, in->near, in->far);
             gn = move_general_normal(r, middle_u - r->centre[0], middle_v - r->centre[1]);
         }
         int last = min(in->slots[slot].box[3] - in->v0, TILE) * VECTORS;
