@@ -95,7 +95,7 @@ def test_sweeps_vary_what_they_say() -> None:
     assert [coverage.label(value) for value in coverage.values] == ["1%", "4%", "16%", "64%"]
     assert [len(overlap.scene(value).quadrics) for value in overlap.values] == [100, 400, 1600, 6400]
     assert next(iter(sweeps(most_quadrics=10**7))).values[-1] == 10**7
-    assert len(list(built_in())) == len(list(built_in(quick=True))) + 1 == 6
+    assert len(list(built_in())) == len(list(built_in(quick=True))) + 1 == 8
 
 
 def test_results_are_json_and_tables_of_all_who_took_part() -> None:

@@ -3,8 +3,8 @@
 Each limit is some per cent above what was counted when it was written. Lower them when casting learns to skip more.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -12,32 +12,53 @@ from conicoid.engine import Renderer
 from conicoid.extent import model_of
 from conicoid.scene import Scene
 from conicoid.view import view_of
+from conicoid_bench.pieces import half_spheres, ruled, sticks
 from conicoid_bench.workloads import ellipsoids
-from tests.cl.kernel_sources import edit_kernels
+from tests.cl.kernel_sources import Edit, edit_kernels
 
-# Z shows how many entries of its tile's list were looked at.
-COUNT_VISITS = [
-    ("tile.h", "    reals key[CELLS];", "    int visited; reals key[CELLS];"),
-    ("cast.cl", "    tile_state tile;", "    tile_state tile; tile.visited = 0;"),
-    ("cast.cl", "        if (r->general < 0) {", "        tile.visited++; if (r->general < 0) {"),
+# Z shows what was counted in its tile.
+COUNTER = [
+    ("tile.h", "    reals key[CELLS];", "    int counted; reals key[CELLS];"),
+    ("cast.cl", "    tile_state tile;", "    tile_state tile; tile.counted = 0;"),
     (
         "channels.h",
         "    out[cell] = TO_FLOATS(hit ? depth : background);",
-        "    out[cell] = (floats)((float)tile->visited);",
+        "    out[cell] = (floats)((float)tile->counted);",
     ),
 ]
+# Entries of its list that were looked at.
+VISITS = ("cast.cl", "        if (r->general < 0) {", "        tile.counted++; if (r->general < 0) {")
+# Pixels where hits of general records were sought, a vector at a time.
+SOUGHT = ("general.h", "            hits h = candidates(", "            tile->counted += LANES; hits h = candidates(")
 SCENES = {
     "few and large": ellipsoids(64, 0.6),
     "many": ellipsoids(20_000, 3.0),
     "deep": ellipsoids(2_000, 40.0),
 }
+GENERAL = {"sticks": sticks(20_000, 3.0), "ruled": ruled(1_000, 4.0), "half spheres": half_spheres(64, 0.6)}
+
+
+def renderer_that_counts(what: Edit, folder: Path) -> Renderer:
+    with pytest.MonkeyPatch.context() as patch:
+        edit_kernels(folder, [*COUNTER, what], patch)
+        return Renderer()
 
 
 @pytest.fixture(scope="module")
-def counting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Renderer]:
-    with pytest.MonkeyPatch.context() as patch:
-        edit_kernels(tmp_path_factory.mktemp("edited"), COUNT_VISITS, patch)
-        yield Renderer()
+def counting(tmp_path_factory: pytest.TempPathFactory) -> Renderer:
+    return renderer_that_counts(VISITS, tmp_path_factory.mktemp("edited"))
+
+
+@pytest.fixture(scope="module")
+def counting_sought(tmp_path_factory: pytest.TempPathFactory) -> Renderer:
+    return renderer_that_counts(SOUGHT, tmp_path_factory.mktemp("edited"))
+
+
+def counted(renderer: Renderer, scene: Scene) -> int:
+    """What the renderer's edited kernels count in all tiles."""
+    output = replace(scene.output, channels=("Z",), precision="float64", background_depth=0.0)
+    depth = renderer.render(replace(scene, output=output)).planes["Z"]
+    return int(depth[::16, ::16].sum(dtype=int))
 
 
 def listed(renderer: Renderer, scene: Scene) -> int:
@@ -59,10 +80,12 @@ def test_tiles_list_no_more(name: str, limit: int, counting: Renderer) -> None:
 
 @pytest.mark.parametrize(("name", "limit"), [("few and large", 7_800), ("many", 92_000), ("deep", 48_000)])
 def test_tiles_look_at_no_more_before_they_end(name: str, limit: int, counting: Renderer) -> None:
-    scene = SCENES[name]
-    output = replace(scene.output, channels=("Z",), precision="float64", background_depth=0.0)
-    depth = counting.render(replace(scene, output=output)).planes["Z"]
-    assert depth[::16, ::16].sum(dtype=int) <= limit
+    assert counted(counting, SCENES[name]) <= limit
+
+
+@pytest.mark.parametrize(("name", "limit"), [("sticks", 4_700_000), ("ruled", 3_450_000), ("half spheres", 1_110_000)])
+def test_hits_of_general_records_are_sought_at_no_more_pixels(name: str, limit: int, counting_sought: Renderer) -> None:
+    assert counted(counting_sought, GENERAL[name]) <= limit
 
 
 @pytest.mark.parametrize(("name", "limit"), [("few and large", 64), ("many", 0), ("deep", 2_000)])
