@@ -18,7 +18,7 @@ static int cast_general(tile_state *tile, __global const slot_record *r, int slo
 #else
     real noise = 0;
 #endif
-    if (!(g->flags & ALWAYS_REAL) && !beyond_roots(g) && highest_quadratic(g->s, half_tile) * (real)1.0000001 < -noise)
+    if (!(g->flags & ALWAYS_REAL) && !beyond_roots(g) && highest_quadratic(g->s, half_tile) < -noise)
         return 0;
     move_clips(&tile_form);
     if (!within_reach(g))
