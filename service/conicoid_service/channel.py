@@ -1,6 +1,6 @@
 """Messages between the API process and a child: a small JSON object and any number of blobs.
 
-Only JSON is read on the API's side, so a child that hostile input has taken over cannot make the API unpickle.
+Only JSON is read on the API's side, so a child that hostile input has taken over cannot make the API run anything.
 """
 
 import socket

@@ -18,7 +18,7 @@ class KeptScene:
     Attributes:
         id: their `conicoid.canonical.quadrics_hash`, so the same quadrics always have the same id.
         quadrics: how many they are.
-        blob: `conicoid.scene.Quadrics`, pickled.
+        blob: `conicoid.scene.Quadrics`, see `conicoid.quadrics_file`.
     """
 
     id: str

@@ -1,9 +1,9 @@
 """Views on their way to the render process, or on the disk until then: a camera and an output as a line of JSON."""
 
+import numpy as np
 import orjson
 
 from conicoid.canonical import camera_document, output_document, view_hash
-from conicoid.document import parse
 from conicoid.scene import Camera, Output
 
 
@@ -15,11 +15,10 @@ def view_line(quadrics_hash: str, camera: Camera, output: Output) -> bytes:
 
 
 def view_from(line: bytes) -> tuple[Camera, Output]:
-    """The same camera and output, bit for bit.
-
-    Raises:
-        SceneError: the line is damaged.
-    """
+    """The same camera and output, bit for bit; the line is one that `view_line` made."""
     view = orjson.loads(line)
-    document = {"conicoid": 1, "scene": "", "camera": view["camera"], "output": view["output"]}
-    return parse(orjson.dumps(document)).view()
+    camera, output = view["camera"], view["output"]
+    del camera["convention"]  # OpenGL's, as everywhere inside
+    camera |= {"world_from_camera": np.array(camera["world_from_camera"]), "crop": tuple(camera["crop"])}
+    output |= {"channels": tuple(output["channels"]), "background_depth": float(output["background_depth"])}
+    return Camera(**({"far": np.inf} | camera)), Output(**output)
