@@ -169,6 +169,14 @@ def test_the_rest_of_a_body_that_is_refused_is_not_awaited_for_ever() -> None:
         assert time.monotonic() - started < 4
 
 
+def test_a_long_body_behind_a_request_that_was_answered_has_its_time() -> None:
+    with serving(uncached(**QUICK)) as client, connection(client) as bare:
+        bare.sendall(GET + b"\r\n" + head(30))
+        assert bare.recv(65536).startswith(b"HTTP/1.1 200 ")
+        drip(bare, orjson.dumps(SCENE)[:30])
+        assert bare.recv(65536).startswith(b"HTTP/1.1 400 ")
+
+
 def test_a_refused_body_that_is_sent_in_full_leaves_the_connection_usable() -> None:
     with serving(uncached(api_keys=Keys.parse("key"))) as client, connection(client) as bare:
         bare.sendall(head(1000))
