@@ -8,7 +8,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree image load test-api test-chaos test-embree test-gappa test-intel test-package lock clean
+.PHONY: setup demo test check stress bench embree fuzz image load test-api test-chaos test-embree test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -30,6 +30,10 @@ check: $(SETUP)
 	.venv/bin/ruff check .
 	.venv/bin/mypy
 	.venv/bin/pytest --quiet tests/test_imports.py
+
+# 20,000 documents, most of them broken, through the parser and the service.
+fuzz: $(SETUP)
+	.venv/bin/pytest tests/cl/test_document_fuzz.py tests/service/test_fuzz.py --hypothesis-profile=fuzz
 
 stress: $(SETUP)
 	.venv/bin/python -m tests.stress

@@ -8,6 +8,8 @@ from hypothesis import HealthCheck, settings
 
 # The same examples on every run, and no verdict by the clock: a slow machine is not a defect.
 settings.register_profile("conicoid", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+# `make fuzz`: more examples, each of which must end.
+settings.register_profile("fuzz", settings.get_profile("conicoid"), max_examples=5000, deadline=60_000)
 settings.load_profile("conicoid")
 
 

@@ -1,7 +1,4 @@
-"""Whatever the bytes, parsing ends in a scene or in SceneError."""
-
-import json
-from typing import Any
+"""Whatever the bytes, parsing ends in a scene or in SceneError. `make fuzz` tries 20,000 documents."""
 
 import pytest
 from hypothesis import given
@@ -9,11 +6,7 @@ from hypothesis import strategies as st
 
 from conicoid.document import parse
 from conicoid.errors import SceneError
-from tests.cl.documents import documents
-from tests.malformed import CASES
-
-TEMPLATE = '{{"conicoid": 1, "quadrics": [{quadrics}], "camera": {{"width": 4, "height": 4, "fov_y": 40}}}}'
-SPHERE = '{{"shape": "sphere", {}}}'
+from tests.cl.broken_documents import SPHERE, TEMPLATE, documents_with_junk, mutated_documents
 
 
 @given(st.binary(max_size=200))
@@ -22,61 +15,14 @@ def test_random_bytes_are_refused_with_a_scene_error(body: bytes) -> None:
         parse(body)
 
 
-SEEDS = [
-    TEMPLATE.format(quadrics=SPHERE.format('"radius": 2, "clip": [[0, 0, 1, 0]], "id": 5')).encode(),
-    *(case.body for case in CASES if len(case.body) < 1000),
-]
+@given(mutated_documents())
+def test_mutated_documents_parse_or_raise_scene_error(body: bytes) -> None:
+    parse_or_refuse(body)
 
 
-@given(st.data())
-def test_mutated_documents_parse_or_raise_scene_error(data: st.DataObject) -> None:
-    body = bytearray(data.draw(st.sampled_from(SEEDS)))
-    for _ in range(data.draw(st.integers(1, 4))):
-        start = data.draw(st.integers(0, len(body)))
-        end = min(len(body), start + data.draw(st.integers(0, 6)))
-        tokens = [
-            b"",
-            b"{",
-            b"}",
-            b"[",
-            b"]",
-            b",",
-            b":",
-            b'"',
-            b"NaN",
-            b"1e999",
-            b"-0.0",
-            b"null",
-            b"true",
-            b"\\u0041",
-        ]
-        body[start:end] = data.draw(st.sampled_from(tokens) | st.binary(max_size=3))
-    parse_or_refuse(bytes(body))
-
-
-junk = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
-    max_leaves=5,
-)
-
-
-@given(st.data())
-def test_documents_with_junk_in_them_parse_or_raise_scene_error(data: st.DataObject) -> None:
-    document = data.draw(documents)
-    for _ in range(data.draw(st.integers(1, 3))):
-        node: Any = document
-        while True:
-            places = list(node) if isinstance(node, dict) else list(range(len(node)))
-            if not places:
-                break
-            place = data.draw(st.sampled_from(places))
-            if isinstance(node[place], dict | list) and data.draw(st.booleans()):
-                node = node[place]
-                continue
-            node[place] = data.draw(junk)
-            break
-    parse_or_refuse(json.dumps(document).encode())
+@given(documents_with_junk())
+def test_documents_with_junk_in_them_parse_or_raise_scene_error(body: bytes) -> None:
+    parse_or_refuse(body)
 
 
 def parse_or_refuse(body: bytes) -> None:

@@ -51,6 +51,11 @@ def test_command_service_and_client_give_the_same_bytes(address: str, image: byt
     assert alone.stdout == served.stdout == posted.content == image
 
 
+def test_a_command_needs_no_key_for_the_service_in_its_own_process(image: bytes, scene: Path) -> None:
+    done = conicoid("render", str(scene), "-o", "-", CONICOID_API_KEYS="a=key")
+    assert (done.returncode, done.stderr, done.stdout) == (0, b"", image)
+
+
 def test_render_writes_the_image_and_its_picture_and_nothing_else(image: bytes, scene: Path) -> None:
     here = scene.parent
     done = conicoid("render", "scene.json", "-o", "out.exr", "--preview", "out.png", cwd=here)

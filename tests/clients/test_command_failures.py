@@ -82,6 +82,8 @@ def test_bad_usage_is_2_and_says_what_is_wrong(arguments: str, here: Path) -> No
         ("preview image.exr -o missing/out.png", "missing does not exist"),
         ("preview image.exr -o /dev/full", "no space left on device"),
         ("serve --host no.such.host.invalid", "cannot listen on no.such.host.invalid"),
+        ("serve --config missing.toml", "missing.toml: cannot be read: no such file"),
+        ("serve --config scene.json", "scene.json: is not TOML"),
     ],
 )
 def test_any_other_failure_is_1_and_says_what_and_where(arguments: str, words: str, here: Path) -> None:

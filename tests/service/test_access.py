@@ -13,6 +13,7 @@ import pytest
 from conicoid_service.access.gate import Gate
 from conicoid_service.access.keys import Keys
 from conicoid_service.guard import HEADERS
+from tests.checkout import ROOT
 from tests.service.conftest import FAKE, SCENE, named, serving, uncached
 from tests.service.test_http import JSON, assert_problem
 
@@ -58,6 +59,15 @@ def test_an_entry_is_a_key_with_or_without_a_name(text: str, owners: dict[str, s
 def test_a_malformed_list_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"entry"):
         Keys.parse(text)
+
+
+def test_the_documented_example_lets_the_documented_request_in() -> None:
+    page = (ROOT / "docs/security.md").read_text("utf-8")
+    (value,), (key,) = (
+        re.findall(r'CONICOID_API_KEYS="([^"]+)"', page),
+        re.findall(r"Authorization: Bearer (\w+)\" ", page),
+    )
+    assert Keys.parse(value).owner_of(key.encode()) == "farm"
 
 
 def test_a_key_itself_is_not_kept() -> None:

@@ -3,6 +3,7 @@
 import argparse
 import logging
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from conicoid_client.command.report import Failure, UsageError
@@ -41,6 +42,7 @@ def connect(options: argparse.Namespace) -> "Client":
     from conicoid_service.pipeline import Pipeline
 
     configuration = settings()
+    configuration = replace(configuration, api_keys=type(configuration.api_keys)())  # nobody else can ask it
     # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
     logging.getLogger().addHandler(logging.NullHandler())
     pipeline = Pipeline(configuration)

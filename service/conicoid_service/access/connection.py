@@ -96,7 +96,7 @@ class Connection(HttpToolsProtocol):
         """An answer is sent. What is left of a body that it did not wait for is dropped, but not for ever."""
         super().on_response_complete()
         self._await_reader()
-        if self._in_body:
+        if self._in_body and not self._answering():
             self._unread_body.start()
 
     def pause_writing(self) -> None:
