@@ -11,12 +11,19 @@ Names load on first use, so that `conicoid --help` does not wait for an HTTP lib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from conicoid_client.client import Client, Rendering
+    from conicoid_client.client import Client
     from conicoid_client.errors import ClientError, Problem, ProblemError, SceneRejected, ServerBusy, Unreachable
+    from conicoid_client.jobs import Frame, FrameEnded, Job, JobEnded, Progress
+    from conicoid_client.rendering import Rendering
 
 _HOMES = {
     "Client": "conicoid_client.client",
-    "Rendering": "conicoid_client.client",
+    "Rendering": "conicoid_client.rendering",
+    "Frame": "conicoid_client.jobs",
+    "FrameEnded": "conicoid_client.jobs",
+    "Job": "conicoid_client.jobs",
+    "JobEnded": "conicoid_client.jobs",
+    "Progress": "conicoid_client.jobs",
     "ClientError": "conicoid_client.errors",
     "Problem": "conicoid_client.errors",
     "ProblemError": "conicoid_client.errors",
@@ -28,8 +35,13 @@ _HOMES = {
 __all__ = [
     "Client",
     "ClientError",
+    "Frame",
+    "FrameEnded",
+    "Job",
+    "JobEnded",
     "Problem",
     "ProblemError",
+    "Progress",
     "Rendering",
     "SceneRejected",
     "ServerBusy",

@@ -1,42 +1,24 @@
 """Talking to a Conicoid service over HTTP, or to one in this process."""
 
-import io
-import json
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+import re
+import secrets
+from collections.abc import Iterator, Mapping
 from types import TracebackType
-from typing import Any, Self, overload
-from zipfile import ZipFile
+from typing import Any, BinaryIO, Self, overload
+from urllib.parse import parse_qsl, urlsplit
 
 import httpx
 
-from conicoid_client.errors import ClientError, Problem, ProblemError, SceneRejected, ServerBusy, Unreachable
+from conicoid_client import events as event_streams
+from conicoid_client.bodies import Arrays, Body, Scene, body, json_bytes
+from conicoid_client.connection import Connection
+from conicoid_client.errors import ClientError
+from conicoid_client.jobs import Event, Frame, Job, JobEnded, checked_id
 from conicoid_client.precision import with_precision
+from conicoid_client.rendering import Rendering, read_rendering
 
-Scene = bytes | Mapping[str, Any]
-Arrays = bytes | Mapping[str, Any]
-Body = bytes | Mapping[str, tuple[str | None, bytes, str]]  # JSON, or the parts of multipart/form-data
-
-_REJECTED = frozenset({400, 413, 415, 422})
-_LONGEST_WAIT_S = 60.0
-
-
-@dataclass(frozen=True)
-class Rendering:
-    """One rendered view.
-
-    Attributes:
-        exr: the OpenEXR file.
-        etag: strong entity tag: the same scene rendered by the same build has the same tag.
-        timing_ms: the service's own account (queue, parse, setup, cast, encode), milliseconds.
-        settled: pixels that were settled in exact arithmetic on the host; None where the service did not say.
-    """
-
-    exr: bytes
-    etag: str | None
-    timing_ms: dict[str, float]
-    settled: int | None
+_EXR, _JSON = "image/x-exr", "application/json"
+_IDEMPOTENCY_KEY = re.compile(r"[\x21-\x7e]{1,255}")
 
 
 class Client:
@@ -44,10 +26,13 @@ class Client:
 
     Args:
         base_url: the service's address, as in `http://127.0.0.1:8000`.
+        api_key: what the service knows you by; it is sent to that address and nowhere else.
         transport: another way to reach it, such as `conicoid_client.local.LocalTransport`.
         timeout_s: longest wait for the answer to one request; connecting takes at most 10 s of it.
         retries: how often a request is repeated that the service answered with 429 or 503 and a `Retry-After`;
             without the header there is nothing to wait for, and the error is raised at once.
+        patience_s: how long a request is repeated, at growing intervals, while nobody answers or the connection
+            breaks, as when the service starts anew; 0 to fail at once.
 
     Raises:
         Unreachable: from every call, when there is no answer.
@@ -58,22 +43,20 @@ class Client:
         self,
         base_url: str = "http://127.0.0.1:8000",
         *,
+        api_key: str | None = None,
         transport: httpx.BaseTransport | None = None,
         timeout_s: float = 600.0,
         retries: int = 4,
+        patience_s: float = 2.0,
     ) -> None:
-        self._retries = retries
-        try:
-            url = httpx.URL(base_url)
-        except httpx.InvalidURL as error:
-            raise ClientError(f"{base_url!r} is not a URL ({error}); give one like http://127.0.0.1:8000") from None
-        if url.scheme not in ("http", "https") or not url.host:
-            raise ClientError(f"{base_url!r} is not an http(s) URL; give one like http://127.0.0.1:8000")
-        self._http = httpx.Client(
-            base_url=url,
+        self._patience_s = patience_s
+        self._connection = Connection(
+            base_url,
+            api_key=api_key,
             transport=transport,
-            timeout=httpx.Timeout(timeout_s, connect=min(10.0, timeout_s)),
-            headers={"User-Agent": "conicoid-client"},
+            timeout_s=timeout_s,
+            retries=retries,
+            patience_s=patience_s,
         )
 
     @overload
@@ -97,27 +80,21 @@ class Client:
         Returns:
             The rendering; None where `etag` is still its tag.
         """
-        body = _json(scene)
+        document = json_bytes(scene)
         if precision is not None:
-            body = with_precision(body, precision)
+            document = with_precision(document, precision)
         headers = {} if etag is None else {"If-None-Match": etag}
-        response = self._send("POST", "/v1/render", "image/x-exr", body=_body(body, arrays), headers=headers)
+        response = self._connection.send("POST", "/v1/render", _EXR, body=body(document, arrays), headers=headers)
         if response.status_code == httpx.codes.NOT_MODIFIED:
             return None
-        settled = response.headers.get("Conicoid-Settled", "")
-        return Rendering(
-            exr=response.content,
-            etag=response.headers.get("ETag"),
-            timing_ms=_timing(response.headers.get("Server-Timing", "")),
-            settled=int(settled) if settled.isdecimal() else None,
-        )
+        return read_rendering(response)
 
     def canonical(self, scene: Scene, *, arrays: Arrays | None = None) -> bytes:
         """The scene's canonical form: everything resolved, every default filled in, as JSON text.
 
         It needs no arrays any more. The arguments are those of `render`.
         """
-        return self._send("POST", "/v1/canonical", "application/json", body=_body(_json(scene), arrays)).content
+        return self._connection.send("POST", "/v1/canonical", _JSON, body=body(json_bytes(scene), arrays)).content
 
     def keep(self, scene: Scene, *, arrays: Arrays | None = None) -> str:
         """Have the service keep a scene's quadrics, for renders from many cameras.
@@ -129,17 +106,115 @@ class Client:
             The id that a document gives as `scene` in place of `quadrics`. The same quadrics always have the same id.
             A render with an id that is not kept any more raises ProblemError with the code `unknown-scene`.
         """
-        answer = self._send("POST", "/v1/scenes", "application/json", body=_body(_json(scene), arrays)).json()
+        answer = self._connection.send("POST", "/v1/scenes", _JSON, body=body(json_bytes(scene), arrays)).json()
         return str(answer["id"])
 
     def device(self) -> dict[str, Any]:
         """What the service renders with: platform, device, limits, version."""
-        answer: dict[str, Any] = self._send("GET", "/v1/device", "application/json").json()
+        answer: dict[str, Any] = self._connection.send("GET", "/v1/device", _JSON).json()
         return answer
+
+    def submit(self, scene: Scene, *, arrays: Arrays | None = None, idempotency_key: str | None = None) -> Job:
+        """Have the service render a scene with one camera or many while nobody waits.
+
+        Args:
+            scene: a document with `camera` or `cameras`; frame k is `cameras[k]`.
+            arrays: as for `render`.
+            idempotency_key: 1 to 255 visible ASCII characters; the same key and scene again give the same job.
+                One is made up if none is given, so that a lost answer makes no second job.
+        Returns:
+            The job, which is on the service's disk.
+        """
+        key = secrets.token_urlsafe(24) if idempotency_key is None else idempotency_key
+        if not _IDEMPOTENCY_KEY.fullmatch(key):
+            raise ClientError("the idempotency key is not 1 to 255 visible ASCII characters; a UUID will do")
+        sent = body(json_bytes(scene), arrays)
+        return Job.read(self._json("POST", "/v1/jobs", sent=sent, headers={"Idempotency-Key": key}))
+
+    def jobs(self, state: str | None = None) -> Iterator[Job]:
+        """Your jobs, newest first, page by page; with `state`, those in it."""
+        query: dict[str, str | int] = {} if state is None else {"state": state}
+        for page in self._pages("/v1/jobs", query):
+            yield from map(Job.read, _list(page, "jobs"))
+
+    def job(self, job_id: str) -> Job:
+        """The job as it is now; ProblemError `unknown-job` when there is none, or not any more."""
+        return Job.read(self._json("GET", _path(job_id), query={"frame_limit": 0}))
+
+    def frames(self, job_id: str) -> Iterator[Frame]:
+        """The job's frames by number, as they are now, page by page."""
+        for page in self._pages(_path(job_id), {}):
+            yield from map(Frame.read, _list(page, "frames"))
+
+    @overload
+    def frame(self, job_id: str, number: int) -> Rendering: ...
+
+    @overload
+    def frame(self, job_id: str, number: int, *, etag: str) -> Rendering | None: ...
+
+    def frame(self, job_id: str, number: int, *, etag: str | None = None) -> Rendering | None:
+        """The image of a job's frame.
+
+        Args:
+            job_id: the job.
+            number: the frame, from 0.
+            etag: tag of the image that is already here.
+        Returns:
+            The image; None where `etag` is still its tag.
+        Raises:
+            ProblemError: `frame-not-ready`, `frame-failed` with the cause, `unknown-job`.
+        """
+        headers = {} if etag is None else {"If-None-Match": etag}
+        response = self._connection.send("GET", f"{_path(job_id)}/frames/{number:d}", _EXR, headers=headers)
+        return None if response.status_code == httpx.codes.NOT_MODIFIED else read_rendering(response)
+
+    def save_frame(self, job_id: str, number: int, file: BinaryIO) -> str | None:
+        """Write the image of a job's frame to a file as it comes, whatever its size; else like `frame`.
+
+        Args:
+            job_id: the job.
+            number: the frame, from 0.
+            file: seekable; written from where it stands, again from there when the connection breaks.
+        Returns:
+            The image's entity tag.
+        """
+        start = file.tell()
+        for again in self._connection.tries():
+            with again, self._connection.stream(f"{_path(job_id)}/frames/{number:d}", _EXR) as response:
+                file.seek(start)
+                file.truncate()
+                file.writelines(response.iter_bytes())
+                tag: str | None = response.headers.get("ETag")
+        return tag
+
+    def events(self, job_id: str, last_event_id: str | None = None) -> Iterator[Event]:
+        """What happens to a job, from its first frame to end: each frame that ends is told of once.
+
+        A connection that ends is made again and goes on where it was; how long a service that is away is waited for
+        is the client's `patience_s`.
+
+        Args:
+            job_id: the job.
+            last_event_id: `id` of the last `FrameEnded` that is known already.
+        Raises:
+            ClientError: what comes are not a job's events.
+        """
+        return event_streams.follow(self._connection, f"{_path(job_id)}/events", last_event_id, self._patience_s)
+
+    def wait(self, job_id: str) -> Job:
+        """The job once it has ended, however."""
+        for event in self.events(job_id):
+            if isinstance(event, JobEnded):
+                return event.job
+        return self.job(job_id)
+
+    def cancel(self, job_id: str) -> Job:
+        """Cancel a job; the frames that are done stay until it expires. One that has ended stays as it is."""
+        return Job.read(self._json("DELETE", _path(job_id)))
 
     def close(self) -> None:
         """Let go of the connection, and of the transport that was given."""
-        self._http.close()
+        self._connection.close()
 
     def __enter__(self) -> Self:
         return self
@@ -149,109 +224,42 @@ class Client:
     ) -> None:
         self.close()
 
-    def _send(
+    def _json(
         self,
         method: str,
         path: str,
-        media_type: str,
         *,
-        body: Body | None = None,
+        sent: Body | None = None,
         headers: Mapping[str, str] | None = None,
-    ) -> httpx.Response:
-        """One request, repeated while the service asks for that; the answer is of `media_type`, or a bare 304."""
-        headers = {**(headers or {}), **({"Content-Type": "application/json"} if isinstance(body, bytes) else {})}
-        sent: dict[str, Any] = {"content": body} if isinstance(body, bytes) else {"files": body}
-        for attempt in range(self._retries + 1):
-            try:
-                response = self._http.request(method, path, headers=headers, **sent)
-            except httpx.HTTPError as error:
-                reason = str(error) or type(error).__name__
-                raise Unreachable(f"no answer from {self._http.base_url}: {reason}") from error
-            wait_s = _retry_after(response)
-            if wait_s is None or wait_s > _LONGEST_WAIT_S or attempt == self._retries:
+        query: Mapping[str, str | int] | None = None,
+    ) -> Any:
+        response = self._connection.send(method, path, _JSON, body=sent, headers=headers, query=query)
+        try:
+            return response.json()
+        except ValueError:
+            raise ClientError(f"the answer from {self._connection.address} is not JSON") from None
+
+    def _pages(self, path: str, query: dict[str, str | int]) -> Iterator[dict[str, Any]]:
+        """Page after page; of the link to the next one only the query is taken, so that it cannot lead elsewhere."""
+        seen: list[dict[str, str | int]] = []
+        while query not in seen:
+            seen.append(query)
+            page = self._json("GET", path, query=query)
+            if not isinstance(page, dict):
                 break
-            time.sleep(wait_s)
-        if not response.is_success and response.status_code != httpx.codes.NOT_MODIFIED:
-            raise _problem(response)
-        if response.is_success and response.headers.get("Content-Type", "").partition(";")[0] != media_type:
-            detail = f"the answer from {self._http.base_url} is not {media_type}; is this a Conicoid service?"
-            raise ProblemError(response.status_code, "http-media-type", detail)
-        return response
+            yield page
+            if not isinstance(page.get("next"), str):
+                return
+            query = dict(parse_qsl(urlsplit(page["next"]).query))
+        raise ClientError(f"the answer from {self._connection.address} is not a list of pages")
 
 
-def _json(scene: Scene) -> bytes:
-    if isinstance(scene, bytes):
-        return scene
-    return json.dumps(scene, allow_nan=False, separators=(",", ":")).encode()
+def _path(job_id: str) -> str:
+    return f"/v1/jobs/{checked_id(job_id)}"
 
 
-def _body(scene: bytes, arrays: Arrays | None) -> Body:
-    if arrays is None:
-        return scene
-    npz = arrays if isinstance(arrays, bytes) else _npz(arrays)
-    return {
-        "scene": (None, scene, "application/json"),
-        "arrays": ("arrays.npz", npz, "application/octet-stream"),
-    }
-
-
-def _npz(arrays: Mapping[str, Any]) -> bytes:
-    """What `numpy.savez` would write, which cannot take every name.
-
-    Raises:
-        ValueError: an array holds Python objects.
-    """
-    import numpy as np
-
-    file = io.BytesIO()
-    with ZipFile(file, "w") as archive:
-        for name, array in arrays.items():
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
-    return file.getvalue()
-
-
-def _retry_after(response: httpx.Response) -> float | None:
-    """Seconds to wait before the same request may succeed; None where the service promises nothing."""
-    if response.status_code not in (httpx.codes.TOO_MANY_REQUESTS, httpx.codes.SERVICE_UNAVAILABLE):
-        return None
-    try:
-        return max(0.0, float(response.headers["Retry-After"]))
-    except (KeyError, ValueError):
-        return None
-
-
-def _problem(response: httpx.Response) -> ProblemError:
-    status = response.status_code
-    try:
-        body = response.json()
-    except ValueError:
-        body = None
-    if not isinstance(body, dict):
-        body = {}
-    detail = str(body.get("detail") or body.get("title") or f"{status} {response.reason_phrase}")
-    code = str(body.get("code") or f"http-{status}")
-    errors = body.get("errors")
-    problems = [
-        Problem(str(e.get("pointer", "")), str(e.get("message", "")), str(e.get("code", "")))
-        for e in (errors if isinstance(errors, list) else [])
-        if isinstance(e, dict)
-    ]
-    if status in (httpx.codes.TOO_MANY_REQUESTS, httpx.codes.SERVICE_UNAVAILABLE):
-        return ServerBusy(status, code, detail, problems, _retry_after(response))
-    return (SceneRejected if status in _REJECTED else ProblemError)(status, code, detail, problems)
-
-
-def _timing(header: str) -> dict[str, float]:
-    """`Server-Timing: cast;dur=4.1, encode;dur=97.0` as {"cast": 4.1, "encode": 97.0}."""
-    times: dict[str, float] = {}
-    for entry in header.split(","):
-        name, *parameters = (part.strip() for part in entry.split(";"))
-        for parameter in parameters:
-            key, _, value = parameter.partition("=")
-            if key == "dur":
-                try:
-                    times[name] = float(value)
-                except ValueError:
-                    continue
-    return times
+def _list(page: Mapping[str, Any], name: str) -> list[Any]:
+    found = page.get(name)
+    if not isinstance(found, list):
+        raise ClientError(f"the service's answer has no list of {name}; is this a Conicoid service?")
+    return found

@@ -32,7 +32,7 @@ def exr(content: bytes = b"", headers: Mapping[str, str] | None = None) -> httpx
 def naps(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """The waits that were asked for; none of them is waited."""
     slept: list[float] = []
-    monkeypatch.setattr("conicoid_client.client.time.sleep", slept.append)
+    monkeypatch.setattr("conicoid_client.connection.time.sleep", slept.append)
     return slept
 
 
@@ -153,12 +153,13 @@ def test_other_errors_are_not_repeated(naps: list[float]) -> None:
 @pytest.mark.parametrize(
     "error", [httpx.ConnectError("refused"), httpx.ReadTimeout(""), httpx.RemoteProtocolError("cut")]
 )
-def test_no_answer_is_unreachable_and_says_where(error: httpx.HTTPError) -> None:
+def test_no_answer_is_unreachable_and_says_where(error: httpx.HTTPError, naps: list[float]) -> None:
     def answer(_: httpx.Request) -> httpx.Response:
         raise error
 
     with pytest.raises(Unreachable, match=r"http://service\.test.*: .+"):
         client(answer).device()
+    assert sum(naps) <= 2
 
 
 @pytest.mark.parametrize("url", ["", "localhost:8000", "ftp://host", "http://", "http://host:port"])

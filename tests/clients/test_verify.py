@@ -14,9 +14,9 @@ import OpenEXR
 import pytest
 
 from conicoid_client import Client
-from conicoid_client.client import Rendering
 from conicoid_client.command import verify
 from conicoid_client.command.report import Failure
+from conicoid_client.rendering import Rendering
 from tests.clients.command import CONICOID, ENVIRONMENT, conicoid, paragraph
 
 SCENE: dict[str, Any] = {

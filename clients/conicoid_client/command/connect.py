@@ -19,6 +19,22 @@ def server(options: argparse.Namespace) -> str | None:
     return options.server or os.environ.get("CONICOID_SERVER") or None
 
 
+def connect_to_server(options: argparse.Namespace, patience_s: float = 2.0) -> "Client":
+    """A client of a running service, which may be away for `patience_s` seconds.
+
+    Raises:
+        UsageError: none is named, or its address or the API key is not one.
+    """
+    from conicoid_client.client import Client
+
+    if (address := server(options)) is None:
+        raise UsageError("jobs need a running service; name it with --server URL or CONICOID_SERVER")
+    try:
+        return Client(address, api_key=os.environ.get("CONICOID_API_KEY") or None, patience_s=patience_s)
+    except ClientError as error:
+        raise UsageError(str(error)) from None
+
+
 def settings(file: str | None = None) -> "Settings":
     """The service's settings, from the environment and a file."""
     from conicoid_service.errors import SettingsError
@@ -32,13 +48,8 @@ def settings(file: str | None = None) -> "Settings":
 
 def connect(options: argparse.Namespace) -> "Client":
     """A client of that service, or of one that lives as long as the client."""
-    if (address := server(options)) is not None:
-        from conicoid_client.client import Client
-
-        try:
-            return Client(address)
-        except ClientError as error:
-            raise UsageError(str(error)) from None
+    if server(options) is not None:
+        return connect_to_server(options)
     from conicoid_service.pipeline import Pipeline
 
     configuration = settings()
@@ -54,4 +65,4 @@ def connect(options: argparse.Namespace) -> "Client":
 
     # Nobody else uses this service, so there is nothing to wait for and no sense in a retry.
     application = create_app(configuration, pipeline, keeps_jobs=False)
-    return Client("http://conicoid", transport=LocalTransport(application), retries=0)
+    return Client("http://conicoid", transport=LocalTransport(application), retries=0, patience_s=0)

@@ -12,7 +12,7 @@ from conicoid_client.command.report import UsageError
 from conicoid_client.command.scene import read_scene
 
 if TYPE_CHECKING:
-    from conicoid_client.client import Rendering
+    from conicoid_client.rendering import Rendering
 
 
 def run(options: argparse.Namespace) -> None:

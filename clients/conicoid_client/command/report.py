@@ -38,6 +38,9 @@ def _lines(error: Exception) -> list[str]:
 
 def _problem_lines(error: ProblemError) -> list[str]:
     problems = [str(problem) for problem in error.problems]
+    if error.status == 401:
+        remedy = "is CONICOID_API_KEY right?" if os.environ.get("CONICOID_API_KEY") else "set CONICOID_API_KEY to one"
+        return [f"{error.detail} [{error.code}]", f"the service lets in who has an API key; {remedy}"]
     if not problems:
         return [f"{error.detail} [{error.code}]"]
     if len(problems) == 1:
