@@ -26,6 +26,7 @@ from conicoid_service.openapi import describe
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.problems import http_problem, parameter_problem, problem
 from conicoid_service.settings import Settings
+from conicoid_service.telemetry.observe import observe
 
 if TYPE_CHECKING:
     from conicoid_service.jobs.disk import Disk
@@ -89,6 +90,7 @@ def create_app(
     if settings.cors_origins:
         app.add_middleware(Origins, settings.cors_origins)
     app.add_middleware(Guard)
+    observe(app)
     app.add_exception_handler(ConicoidError, _refuse)
     app.add_exception_handler(HTTPException, _refuse_http)
     app.add_exception_handler(RequestValidationError, _refuse_parameters)

@@ -62,6 +62,11 @@ class Images:
             self._tags.move_to_end(body)
         return self._tags.get(body)
 
+    @property
+    def size(self) -> int:
+        """Bytes of all of them."""
+        return self._images.size
+
     def close(self) -> None:
         """Give all of them up."""
         self._images.close()

@@ -94,6 +94,11 @@ _DESCRIPTIONS: Final = {
     507: "The disk is full or not writable; try again after `Retry-After` seconds",
 }
 
+CHECKS: Final = {
+    "type": "object",
+    "description": "what `/readyz` checks: `ok`, or why not",
+    "additionalProperties": {"type": "string"},
+}
 PROBLEM_SCHEMA: Final[dict[str, Any]] = {
     "type": "object",
     "description": "RFC 9457 problem details",
@@ -104,6 +109,7 @@ PROBLEM_SCHEMA: Final[dict[str, Any]] = {
         "status": {"type": "integer"},
         "detail": {"type": "string", "description": "one readable paragraph: place, value, rule, remedy"},
         "code": {"type": "string", "description": "stable; docs/errors.md explains each"},
+        "request_id": {"type": "string", "description": "names the request in the log; `X-Request-ID`"},
         "errors": {
             "type": "array",
             "items": {
@@ -118,6 +124,7 @@ PROBLEM_SCHEMA: Final[dict[str, Any]] = {
         },
         "limit": {"type": "integer", "description": "the limit that was passed"},
         "asked": {"type": "integer", "description": "what the request asks"},
+        "checks": CHECKS,
     },
 }
 
@@ -182,7 +189,28 @@ KEPT_DOCS: Final[dict[str, Any]] = {
     }
 }
 DEVICE_DOCS: Final[dict[str, Any]] = {"responses": problems(429, 500, 503)}
-READY_DOCS: Final[dict[str, Any]] = {"responses": problems(503)}
+READY_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        200: {
+            "description": "A request that comes now would be answered",
+            "content": {
+                "application/json": {
+                    "schema": {
+                        "type": "object",
+                        "required": ["status", "checks"],
+                        "properties": {"status": {"const": "ready"}, "checks": CHECKS},
+                    }
+                }
+            },
+        },
+        **problems(503),
+    }
+}
+METRICS_DOCS: Final[dict[str, Any]] = {
+    "responses": {
+        200: {"description": "Prometheus text format", "content": {"text/plain": {"schema": {"type": "string"}}}}
+    }
+}
 
 
 def describe(app: FastAPI) -> dict[str, Any]:

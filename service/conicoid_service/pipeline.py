@@ -7,18 +7,19 @@ already known, while a long render runs (`docs/decisions` has the measurements).
 
 import asyncio
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
 from conicoid_service.blob import Blob
 from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
-from conicoid_service.errors import NotReadyError, UnknownSceneError
+from conicoid_service.errors import UnknownSceneError
 from conicoid_service.images import Image
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
 from conicoid_service.settings import Settings
 from conicoid_service.supervisor import Answer, Supervisor
+from conicoid_service.telemetry import context
 
 Timings = dict[str, float]
 
@@ -77,7 +78,11 @@ class ReadBatch:
 
 
 class Pipeline:
-    """Both children and what flows through them."""
+    """Both children and what flows through them.
+
+    Attributes:
+        on_answer: called with every answer of a child and what it took.
+    """
 
     def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
         """Describe both; `commands` are other child processes, for tests of supervision: no setting leads here."""
@@ -97,6 +102,7 @@ class Pipeline:
         )
         device = {"device": settings.device, "threads": settings.threads, "cache_dir": str(settings.cache_dir)}
         self.kept = KeptScenes(settings.kept_limit)
+        self.on_answer: Callable[[context.Step, Message], None] = lambda *_: None
         self._documents = supervised("document", commands.document, {})
         self._renders = supervised("render", commands.render, device)
 
@@ -113,15 +119,10 @@ class Pipeline:
         await asyncio.gather(asyncio.to_thread(self._documents.stop), asyncio.to_thread(self._renders.stop))
         self.kept.close()
 
-    def check_ready(self) -> None:
-        """Return if both children are alive and warm.
-
-        Raises:
-            ServiceError: the reason why one is not.
-        """
-        for child in (self._documents, self._renders):
-            if not child.ready:
-                raise child.failure or NotReadyError(f"the {child.name} process is starting; requests wait for it")
+    @property
+    def children(self) -> Mapping[str, Supervisor]:
+        """Both, by their names."""
+        return {child.name: child for child in (self._documents, self._renders)}
 
     async def device(self) -> Message:
         """What the render process says about itself: `device`, as `conicoid.device` describes it, and `threads`."""
@@ -139,7 +140,7 @@ class Pipeline:
                 kept = self.kept.get(answer.message["scene"]).blob.shared()
                 answer = await self._ask("canonical", replace(body, blob=again.shared()), kept)
         with answer.blobs[0] as text:
-            return text.read(), _timings(answer)
+            return text.read(), self._timings("document", answer)
 
     async def keep(self, body: Body) -> tuple[KeptScene, Timings]:
         """Keep the quadrics of a document; takes the body over.
@@ -150,7 +151,7 @@ class Pipeline:
         answer = await self._ask("keep", body)
         scene = KeptScene(answer.message["quadrics_hash"], answer.message["quadrics"], answer.blobs[0])
         self.kept.keep(scene)
-        return scene, _timings(answer)
+        return scene, self._timings("document", answer)
 
     async def read(self, body: Body) -> ReadScene:
         """Read a document and check it against the limits; takes the body over, the caller closes what is read.
@@ -166,7 +167,7 @@ class Pipeline:
         except UnknownSceneError:
             view.close()
             raise
-        return ReadScene(view, quadrics, not own, *hashes, _timings(answer))
+        return ReadScene(view, quadrics, not own, *hashes, self._timings("document", answer))
 
     async def read_batch(self, body: Body) -> ReadBatch:
         """Read a document with `camera` or `cameras`; otherwise as `read`."""
@@ -178,19 +179,23 @@ class Pipeline:
             views.close()
             raise
         message = answer.message
-        return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], _timings(answer))
+        timings = self._timings("document", answer)
+        return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], timings)
 
     async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:  # noqa: ARG002
         """The EXR image of a scene. Takes the scene over; the caller closes the image."""
         message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash, "stored": read.stored}
-        answer = await self._renders.call(message, [read.view, read.quadrics])
+        answer = await self._renders.call(message | context.ids(), [read.view, read.quadrics])
         escalated = answer.message["refined"], answer.message["settled"]
-        return Image(answer.blobs[0], read.scene_hash, *escalated), _timings(answer)
+        return Image(answer.blobs[0], read.scene_hash, *escalated), self._timings("render", answer)
 
     async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
         message = {"do": do, "limits": self._limits, "boundary": body.boundary}
-        return await self._documents.call(message, [body.blob, *kept])
+        return await self._documents.call(message | context.ids(), [body.blob, *kept])
 
-
-def _timings(answer: Answer) -> Timings:
-    return {"queue": answer.queue_ms, **answer.message["timings_ms"]}
+    def _timings(self, process: str, answer: Answer) -> Timings:
+        timings = {"queue": answer.queue_ms, **answer.message["timings_ms"]}
+        step = context.Step(process, timings)
+        context.notes().steps.append(step)
+        self.on_answer(step, answer.message)
+        return timings

@@ -9,6 +9,7 @@ from starlette.responses import Response
 
 from conicoid.errors import ConicoidError, LimitError, SceneError
 from conicoid_service.errors import DEFECT, ReportedError, ServiceError
+from conicoid_service.telemetry import context
 
 MEDIA_TYPE: Final = "application/problem+json"
 
@@ -57,8 +58,8 @@ SCENE: Final = (422, "Invalid scene document")
 _CODE_OF_STATUS: Final = {404: "not-found", 405: "method-not-allowed"}
 
 
-def problem(error: ConicoidError) -> Response:
-    """The response that tells a client about `error`."""
+def problem(error: ConicoidError, status: int | None = None, **more: Any) -> Response:
+    """The response that tells a client about `error`; `status` in place of its own, `more` members than usual."""
     headers: dict[str, str] = {}
     members: dict[str, Any] = {"detail": str(error)}
     if isinstance(error, SceneError | ReportedError) and error.problems:
@@ -72,7 +73,7 @@ def problem(error: ConicoidError) -> Response:
         headers = dict(error.headers)
         if error.retry_after_s is not None:
             headers["Retry-After"] = str(error.retry_after_s)
-    return _response(error.code, members, headers)
+    return _response(error.code, members | more, headers, status)
 
 
 def http_problem(status: int, detail: str, headers: Mapping[str, str] | None = None) -> Response:
@@ -103,12 +104,14 @@ def _response(
     code: str, members: dict[str, Any], headers: Mapping[str, str] | None, status: int | None = None
 ) -> Response:
     own_status, title = STATUS.get(code, SCENE)
+    context.notes().code = code
     body = {
         "type": f"urn:conicoid:problem:{code}",
         "title": title,
         "status": status or own_status,
         "code": code,
         "errors": [],
+        **({"request_id": asked} if (asked := context.request_id.get()) else {}),
         **members,
     }
     return Response(orjson.dumps(body), status or own_status, headers, MEDIA_TYPE)

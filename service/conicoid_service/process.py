@@ -1,6 +1,7 @@
 """The parent's side of one child process: start it, exchange one message at a time, end it without leaving anything."""
 
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -18,6 +19,11 @@ _STDERR = 2
 
 class ProcessLostError(Exception):
     """The child died with a request in it; the message says how: `SIGABRT`, `exit status 3`, `deadline of 60 s`."""
+
+    @property
+    def cause(self) -> str:
+        """The same in one of few words, for counting."""
+        return re.sub(r" status \d+| of .*", "", str(self))
 
 
 class DeadlineError(ProcessLostError):

@@ -31,7 +31,7 @@ class Recent(Generic[T]):
             item.blob.close()
             return False
         self.drop(key)
-        while self._items and (len(self._items) == MOST or size + self._size() > self.limit):
+        while self._items and (len(self._items) == MOST or size + self.size > self.limit):
             self.drop(next(iter(self._items)))
         self._items[key] = item
         return True
@@ -52,5 +52,7 @@ class Recent(Generic[T]):
         for key in list(self._items):
             self.drop(key)
 
-    def _size(self) -> int:
+    @property
+    def size(self) -> int:
+        """Bytes of all files."""
         return sum(len(item.blob) for item in self._items.values())

@@ -67,7 +67,9 @@ def start(configuration: Message) -> tuple[Handler, Message]:
             exr.write(stream, frame, scene, message["scene_hash"])
         encode_ms = (time.perf_counter() - started) * 1e3
         timings = {"setup": frame.setup_ms, "cast": frame.cast_ms, "encode": encode_ms}
-        return {"timings_ms": timings, "refined": frame.refined, "settled": frame.settled}, [image]
+        x0, y0, x1, y1 = scene.camera.crop
+        work = {"pixels": (x1 - x0) * (y1 - y0), "quadrics": len(scene.quadrics)}
+        return {"timings_ms": timings, "refined": frame.refined, "settled": frame.settled, **work}, [image]
 
     return render, {"device": renderer.device.as_dict(), "threads": threads}
 

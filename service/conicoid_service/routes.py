@@ -17,6 +17,7 @@ from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, DROP_DOCS, KEE
 from conicoid_service.pipeline import Pipeline, Timings
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
 from conicoid_service.settings import Settings
+from conicoid_service.telemetry import context
 
 LIBRARIES = ("OpenEXR", "pyopencl", "numpy", "fastapi", "uvicorn")
 
@@ -73,6 +74,7 @@ async def _render(pipeline: Pipeline, gallery: Gallery, body: Body, asked: _Aske
 async def _at_hand(gallery: Gallery, tag: str, asked: _Asked, timings: Timings) -> Response | None:
     """The answer without rendering: 304 if the client has the image, the image if the service has it still."""
     if matches(asked.if_none_match, tag):
+        context.notes().image = "304"
         return Response(None, 304, {"ETag": tag, "Server-Timing": server_timing(timings)})
     shown = await gallery.at_hand(tag)
     return None if shown is None else _image(shown, tag, timings)
@@ -80,6 +82,7 @@ async def _at_hand(gallery: Gallery, tag: str, asked: _Asked, timings: Timings) 
 
 def _image(shown: Shown, tag: str, timings: Timings) -> Response:
     image = shown.image
+    context.notes().image = shown.source
     headers = {
         "ETag": tag,
         "Server-Timing": server_timing(timings, shown.timings or _UNDRAWN),

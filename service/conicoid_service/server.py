@@ -7,6 +7,7 @@ import signal
 import socket
 import threading
 from functools import partial
+from types import FrameType
 from typing import TYPE_CHECKING, Any, cast
 
 from conicoid_service.errors import StoreError
@@ -89,6 +90,11 @@ def server_of(app: "FastAPI", settings: Settings, **options: Any) -> "uvicorn.Se
     )
 
     class Server(uvicorn.Server):
+        def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+            """Tell whoever asks `/readyz` at once, while connections are still open."""
+            app.state.readiness.draining = True
+            super().handle_exit(sig, frame)
+
         async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
             """Wait for requests under way, but not for those that only watch a job."""
             if app.state.jobs is not None:

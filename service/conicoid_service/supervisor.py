@@ -10,6 +10,7 @@ import logging
 import queue
 import threading
 import time
+from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -26,6 +27,7 @@ from conicoid_service.errors import (
     UnavailableError,
 )
 from conicoid_service.process import DeadlineError, Process, ProcessLostError, Reply
+from conicoid_service.telemetry import context
 
 ATTEMPTS = 2
 PATIENCE_S = 0.5
@@ -54,7 +56,12 @@ class _Task:
 
 
 class Supervisor:
-    """One child process and the queue in front of it."""
+    """One child process and the queue in front of it.
+
+    Attributes:
+        losses: how many children died with a request in them, by cause.
+        retries: how many requests were tried once more.
+    """
 
     def __init__(
         self,
@@ -93,6 +100,8 @@ class Supervisor:
         self._failed_starts = 0
         self._next_start = 0.0
         self._hello: Message | None = None
+        self.losses: Counter[str] = Counter()
+        self.retries = 0
 
     def start(self) -> None:
         """Start the child in the background; requests may be made at once and wait for it. Once is enough."""
@@ -117,6 +126,16 @@ class Supervisor:
     def failure(self) -> ServiceError | None:
         """Why the last start failed, if it did."""
         return self._failure
+
+    @property
+    def waiting(self) -> int:
+        """How many requests wait."""
+        return self._tasks.qsize()
+
+    @property
+    def room(self) -> bool:
+        """Whether one more request would be taken."""
+        return self.waiting <= self._queue_length
 
     async def hello(self) -> Message:
         """What the child says about itself, once it has started.
@@ -188,6 +207,7 @@ class Supervisor:
                 task.future.set_exception(_stopping())
 
     def _answer(self, task: _Task) -> None:
+        context.adopt(task.message or {})
         waited_ms = (time.perf_counter() - task.queued_at) * 1e3
         try:
             reply = self._attempt(task)
@@ -214,6 +234,8 @@ class Supervisor:
                     raise _given_up() from None
                 if self._stopping.is_set():
                     raise _stopping() from None
+                self.losses[error.cause] += 1
+                self.retries += attempt < ATTEMPTS
                 logger.warning("the %s process ended (%s) in attempt %d of a request", self.name, lost, attempt)
         if isinstance(lost, DeadlineError):
             raise RenderTimeoutError(

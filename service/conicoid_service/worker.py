@@ -13,6 +13,7 @@ from conicoid_service.blob import Blob
 from conicoid_service.channel import Channel, Message
 from conicoid_service.errors import DEFECT
 from conicoid_service.heap import keep_freed_memory
+from conicoid_service.telemetry import context
 
 Reply = tuple[Message, list[Blob]]
 Handler = Callable[[Message, list[Blob]], Reply]
@@ -61,6 +62,7 @@ def failure(error: ConicoidError) -> Message:
 
 def _answer(channel: Channel, handler: Handler, message: Message, blobs: list[Blob]) -> None:
     results: list[Blob] = []
+    context.adopt(message)
     try:
         reply, results = handler(message, blobs)
     except ConicoidError as error:

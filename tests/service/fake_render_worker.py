@@ -38,7 +38,13 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
         case ["defect"]:
             raise ZeroDivisionError("a secret of the server's")
     image = Blob.of(exr.encode(frame(scene), scene, message["scene_hash"]))
-    return {"timings_ms": {"setup": 1.0, "cast": 2.0, "encode": 3.0}, "refined": 7, "settled": 4}, [image]
+    return {
+        "timings_ms": {"setup": 1.0, "cast": 2.0, "encode": 3.0},
+        "refined": 7,
+        "settled": 4,
+        "pixels": 1200,
+        "quadrics": 1,
+    }, [image]
 
 
 if __name__ == "__main__":

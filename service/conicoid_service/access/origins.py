@@ -12,11 +12,11 @@ from conicoid_service.problems import http_problem
 
 _METHODS: Final = ("GET", "POST", "DELETE")
 _ASKED: Final = (
-    "Authorization", "Content-Encoding", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer",
+    "Authorization", "Content-Encoding", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer", "X-Request-ID",
 )  # fmt: skip
 _TOLD: Final = (
     "Conicoid-Refined", "Conicoid-Settled", "Content-Disposition", "ETag", "Location", "Preference-Applied",
-    "Retry-After", "Server-Timing", "WWW-Authenticate",
+    "Retry-After", "Server-Timing", "WWW-Authenticate", "X-Request-ID",
 )  # fmt: skip
 
 

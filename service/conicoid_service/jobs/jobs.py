@@ -3,6 +3,7 @@
 import asyncio
 import hashlib
 import logging
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 
@@ -59,6 +60,19 @@ class Jobs:
         await self._runner.stop()
         await self._keeper.stop()
         await asyncio.to_thread(self._disk.close)
+
+    async def check(self) -> None:
+        """Raises StorageError if the disk does not take a small file."""
+        await self._disk.do(self._disk.check)
+
+    async def counts(self) -> dict[str, dict[str, float]]:
+        """As `Upkeep.counts`."""
+        return await self._disk.do(self._disk.upkeep.counts)
+
+    @property
+    def frames_ended(self) -> Counter[str]:
+        """Frames that ended since the start, by how."""
+        return self._runner.ended
 
     async def submit(self, body: Body, owner: str, key: str | None) -> tuple[Job, bool, Timings]:
         """A job for the frames of a document, on the disk then, and whether it is new; takes the body over.

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections import Counter
 from contextlib import suppress
 from typing import Final
 
@@ -12,6 +13,7 @@ from conicoid_service.jobs.disk import RETRY_S, Disk
 from conicoid_service.jobs.painter import Painter
 from conicoid_service.jobs.records import Claim, StoredImage
 from conicoid_service.jobs.work import MOST_ATTEMPTS
+from conicoid_service.telemetry import context
 
 LOOK_S: Final = 1.0  # for frames and cancellations that other servers put into the store
 # Not the frame's doing.
@@ -23,7 +25,11 @@ logger = logging.getLogger(__name__)
 
 
 class Runner:
-    """Some workers; for one event loop."""
+    """Some workers; for one event loop.
+
+    Attributes:
+        ended: frames that ended here, by how.
+    """
 
     def __init__(self, disk: Disk, painter: Painter, bell: Bell) -> None:
         self._disk, self._painter, self._bell = disk, painter, bell
@@ -31,6 +37,7 @@ class Runner:
         self._workers: list[asyncio.Task[None]] = []
         self._rendering: dict[asyncio.Task[StoredImage], Claim] = {}
         self._draining = False
+        self.ended = Counter[str](succeeded=0, failed=0)
 
     def start(self, workers: int) -> None:
         """Start rendering, so many frames at a time."""
@@ -74,6 +81,7 @@ class Runner:
     async def _end(self, claim: Claim) -> None:
         """Render a frame and tell the store how it ended."""
         work = self._disk.work
+        context.job_id.set(claim.job_id)
         rendering = asyncio.create_task(self._painter.paint(claim, batch=True))
         self._rendering[rendering] = claim
         self._bell.ring(claim.job_id)
@@ -91,10 +99,12 @@ class Runner:
         except ServiceError as error:
             await self._failed(claim, error)
         except Exception:
+            self.ended["failed"] += 1
             logger.exception("a frame met a defect", extra=_about(claim))
             await self._disk.insist(work.fail, claim, "internal", DEFECT, now_ms())
         else:
             await self._disk.insist(work.finish, claim, image, now_ms())
+            self.ended["succeeded"] += 1
             logger.info("frame done", extra=_about(claim))
         finally:
             del self._rendering[rendering]
@@ -115,6 +125,7 @@ class Runner:
         elif code == "render-crashed" and claim.attempts < MOST_ATTEMPTS:
             await self._disk.insist(work.release, claim, not_before_ms=now_ms(), counts=True)
         else:
+            self.ended["failed"] += 1
             logger.warning("frame failed: %s", error, extra=_about(claim))
             await self._disk.insist(work.fail, claim, code, str(error), now_ms())
 

@@ -5,7 +5,7 @@ from typing import Any, Final
 from sqlalchemy import Connection, delete, exists, func, select, update
 
 from conicoid_service.jobs.database import Database
-from conicoid_service.jobs.records import StoredImage
+from conicoid_service.jobs.records import STATES, StoredImage
 from conicoid_service.jobs.tables import frames, images, jobs
 from conicoid_service.jobs.work import remember
 
@@ -76,6 +76,15 @@ class Upkeep:
         """Bytes of all images."""
         with self._database.reading() as connection:
             return _bytes(connection)
+
+    def counts(self) -> dict[str, dict[str, float]]:
+        """Jobs and frames by state, and bytes of all images."""
+        with self._database.reading() as connection:
+            found = {"bytes": {"": float(_bytes(connection))}}
+            for table in (jobs, frames):
+                rows = connection.execute(select(table.c.state, func.count()).group_by(table.c.state))
+                found[table.name] = dict.fromkeys(STATES, 0.0) | {state: float(count) for state, count in rows}
+            return found
 
     def known_tags(self) -> set[str]:
         """The tags of all images."""

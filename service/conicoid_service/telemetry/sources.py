@@ -1,0 +1,36 @@
+"""Where the watched metrics come from: the only place that knows both sides."""
+
+from collections import Counter
+from collections.abc import Mapping
+
+from starlette.datastructures import State
+
+from conicoid_service.images import Images
+from conicoid_service.settings import Settings
+from conicoid_service.supervisor import Supervisor
+from conicoid_service.telemetry.watched import Readers, Readings
+
+
+def watch(readers: Readers, state: State) -> None:
+    """Register all that an application's state has; `state.jobs` is None where, or while, there is no job store."""
+    settings: Settings = state.settings
+    images: Images = state.gallery.images
+    children: Mapping[str, Supervisor] = state.pipeline.children
+    render = children["render"]
+    readers.watch("conicoid_processes", lambda: {name: float(child.ready) for name, child in children.items()})
+    readers.watch("conicoid_queue_requests", lambda: {"all": render.waiting})
+    readers.watch("conicoid_queue_limit", lambda: {"": settings.queue_length})
+    readers.watch("conicoid_document_queue_requests", lambda: {"": children["document"].waiting})
+    readers.watch("conicoid_losses", lambda: sum((child.losses for child in children.values()), Counter[str]()))
+    readers.watch("conicoid_retries", lambda: {"": sum(child.retries for child in children.values())})
+    readers.watch("conicoid_images_kept_bytes", lambda: {"": images.size})
+    readers.watch("conicoid_store_limit_bytes", lambda: {"": settings.store_limit} if state.jobs else {})
+    readers.watch("conicoid_frames_ended", lambda: state.jobs.frames_ended if state.jobs else {})
+
+    async def counted(what: str) -> Readings:
+        counts: Mapping[str, Readings] = await state.jobs.counts() if state.jobs else {}
+        return counts.get(what, {})
+
+    readers.watch("conicoid_jobs", lambda: counted("jobs"))
+    readers.watch("conicoid_frames", lambda: counted("frames"))
+    readers.watch("conicoid_store_bytes", lambda: counted("bytes"))
