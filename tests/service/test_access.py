@@ -17,7 +17,7 @@ from tests.checkout import ROOT
 from tests.service.conftest import FAKE, SCENE, named, serving, uncached
 from tests.service.test_http import JSON, assert_problem
 
-pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("nothing_left", "search_path")]
+pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("search_path")]
 
 KEYS = Keys.parse(f"farm=first, farm=second nobody-else {'sha256:' + hashlib.sha256(b'hashed').hexdigest()}")
 ROUTES = [
@@ -166,6 +166,15 @@ async def test_the_routes_learn_who_asks() -> None:
     await ask(KEYS, "/livez", b"Bearer second")
     await ask(Keys(), "/x", b"Bearer second")
     assert owners == ["farm", hashlib.sha256(b"nobody-else").hexdigest()[:12], "", ""]
+
+
+async def test_a_job_is_its_owners_whichever_key_it_was_asked_with(locked: httpx.AsyncClient) -> None:
+    job = (await locked.post("/v1/jobs", json=named("job"), headers=bearer("first"))).json()
+    assert (await locked.get(job["href"], headers=bearer("second"))).status_code == 200
+    assert_problem(await locked.get(job["href"], headers=bearer("hashed")), 404, "unknown-job")
+    assert_problem(await locked.get(job["events"], headers=bearer("hashed")), 404, "unknown-job")
+    assert_problem(await locked.delete(job["href"], headers=bearer("hashed")), 404, "unknown-job")
+    assert (await locked.get("/v1/jobs", headers=bearer("hashed"))).json()["jobs"] == []
 
 
 ORIGIN = {"Origin": "https://viewer.example"}

@@ -48,9 +48,10 @@ class Target:
 
 
 @pytest.fixture(scope="module")
-def target(search_path: None) -> Iterator[Target]:  # noqa: ARG001
+def target(search_path: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Target]:  # noqa: ARG001
     """A server that must be as it was when all the tests have done with it."""
-    command = [sys.executable, str(ROOT / "tests/service/hostile_server.py")]
+    store = tmp_path_factory.mktemp("store")
+    command = [sys.executable, str(ROOT / "tests/service/hostile_server.py"), str(store)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout
