@@ -14,6 +14,7 @@ from conicoid_service.errors import StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings, variable
+from conicoid_service.telemetry.logs import LOG_FORMAT, configure
 
 if TYPE_CHECKING:
     import uvicorn
@@ -40,7 +41,7 @@ def serve(
         port: see `host`.
         settings: None reads them from the environment.
         listener: a bound socket in place of host and port.
-        log_level: uvicorn's word.
+        log_level: of the service and of uvicorn.
     Returns:
         Whether the service came up at all.
     Raises:
@@ -50,6 +51,8 @@ def serve(
     """
     settings = settings or Settings.from_environment()
     keep_freed_memory()
+    os.environ[LOG_FORMAT] = settings.log_format
+    configure(settings.log_format, log_level)
     os.environ.pop(variable("api_keys"), None)  # no child needs it
     _allow_descriptors(settings.connection_limit + _OWN_DESCRIPTORS)
     pipeline = Pipeline(settings)
@@ -64,7 +67,7 @@ def serve(
         asyncio.run(pipeline.stop())
         raise
     app = create_app(settings, pipeline, disk=disk)
-    server = server_of(app, settings, host=host, port=port, log_level=log_level)
+    server = server_of(app, settings, host=host, port=port, log_config=None)
     if threading.current_thread() is threading.main_thread():
         # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.
         for ending in (signal.SIGINT, signal.SIGTERM):
@@ -83,6 +86,7 @@ def server_of(app: "FastAPI", settings: Settings, **options: Any) -> "uvicorn.Se
         app,
         http=cast("Any", partial(Connection, settings)),  # called with uvicorn's arguments alone, like a class
         ws="none",
+        access_log=False,  # `telemetry.requests` has a line for each request
         lifespan="on",
         timeout_graceful_shutdown=GRACE_S,
         server_header=False,

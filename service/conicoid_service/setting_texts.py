@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from conicoid_service.errors import SettingsError
+from conicoid_service.telemetry.logs import FORMATS
 
 _RULES: Final[Mapping[Any, str]] = {int: "a whole number", float: "a number"}
 _TOML_TYPES: Final[Mapping[Any, tuple[type, ...]]] = {int: (int,), float: (int, float)}
@@ -69,6 +70,17 @@ def value_of(
     if at_least is not None and not at_least <= value < float("inf"):
         raise SettingsError(f"{place}: {shown} is not a finite number >= {at_least:g}; it sets the {meaning}")
     return value
+
+
+def log_format(text: str) -> str:
+    """The text, if it is a format of log lines.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if text not in FORMATS:
+        raise ValueError(f"{_shown(text)} is not {' or '.join(FORMATS)}")
+    return text
 
 
 def parse_origins(text: str) -> tuple[str, ...]:

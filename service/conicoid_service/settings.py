@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from conicoid_service.access.keys import Keys
 from conicoid_service.errors import SettingsError
-from conicoid_service.setting_texts import parse_origins, read_file, text_of, value_of
+from conicoid_service.setting_texts import log_format, parse_origins, read_file, text_of, value_of
 
 CONFIG = "CONICOID_CONFIG"
 
@@ -58,6 +58,7 @@ class Settings:
     connection_limit: int = field(default=1000, metadata=_about(int, "open connections", 1))
     head_timeout_s: float = field(default=20.0, metadata=_about(float, "seconds for a request's head", 0.001))
     body_timeout_s: float = field(default=30.0, metadata=_about(float, "seconds without a byte of a body", 0.001))
+    log_format: str = field(default="text", metadata=_about(log_format, "format of log lines, text or json"))
     send_timeout_s: float = field(
         default=60.0, metadata=_about(float, "seconds in which an answer stands still", 0.001)
     )

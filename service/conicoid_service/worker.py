@@ -2,6 +2,7 @@
 
 import ctypes
 import logging
+import os
 import signal
 import socket
 import sys
@@ -14,6 +15,7 @@ from conicoid_service.channel import Channel, Message
 from conicoid_service.errors import DEFECT
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.telemetry import context
+from conicoid_service.telemetry.logs import LOG_FORMAT, configure
 
 Reply = tuple[Message, list[Blob]]
 Handler = Callable[[Message, list[Blob]], Reply]
@@ -30,7 +32,7 @@ def serve(start: Start, arguments: Sequence[str]) -> None:
             a ConicoidError from it is reported to the parent.
         arguments: the command line's, one descriptor.
     """
-    logging.basicConfig(format="%(levelname)s %(name)s: %(message)s")
+    configure(os.environ.get(LOG_FORMAT, "text"))
     _die_with_parent()
     keep_freed_memory()
     with socket.socket(fileno=int(arguments[0])) as connection, suppress(EOFError, BrokenPipeError):

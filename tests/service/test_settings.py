@@ -50,6 +50,7 @@ def test_every_setting_is_read_from_its_variable() -> None:
         "CONICOID_HEAD_TIMEOUT_S": "3.5",
         "CONICOID_BODY_TIMEOUT_S": "4.5",
         "CONICOID_SEND_TIMEOUT_S": "5.5",
+        "CONICOID_LOG_FORMAT": "json",
     }
     assert values.keys() == {variable(one.name) for one in fields(Settings)}
     assert Settings.from_environment(values) == Settings(
@@ -68,6 +69,7 @@ def test_every_setting_is_read_from_its_variable() -> None:
         head_timeout_s=3.5,
         body_timeout_s=4.5,
         send_timeout_s=5.5,
+        log_format="json",
     )  # fmt: skip
 
 

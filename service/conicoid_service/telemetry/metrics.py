@@ -39,7 +39,7 @@ class Metrics:
     """Metrics in a registry of their own."""
 
     def __init__(self) -> None:
-        registry = self._registry = CollectorRegistry(auto_describe=True)
+        registry = self.registry = CollectorRegistry(auto_describe=True)
         ProcessCollector(registry=registry)
         info = Info("conicoid_build", "Version of the service and of Python", registry=registry)
         info.info({"version": __version__, "python": platform.python_version()})
@@ -102,7 +102,7 @@ class Metrics:
 
     async def text(self) -> bytes:
         """All metrics in Prometheus' text format."""
-        return generate_latest(_Scrape([*self._registry.collect(), *await self.readers.read()]))
+        return generate_latest(_Scrape([*self.registry.collect(), *await self.readers.read()]))
 
 
 class _Scrape(Collector):
