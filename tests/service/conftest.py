@@ -4,8 +4,10 @@ import os
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
+from dataclasses import replace
 from itertools import count
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import httpx
@@ -43,7 +45,16 @@ def named(name: str) -> dict[str, Any]:
 
 @asynccontextmanager
 async def serving(settings: Settings, commands: Commands | None = None) -> AsyncIterator[httpx.AsyncClient]:
-    """A client of an application in this process, with its lifespan run."""
+    """A client of an application in this process, with its lifespan run, and a job store of its own."""
+    with TemporaryDirectory() as folder:
+        if settings.data_dir == Settings().data_dir:
+            settings = replace(settings, data_dir=Path(folder))
+        async with _served(settings, commands) as client:
+            yield client
+
+
+@asynccontextmanager
+async def _served(settings: Settings, commands: Commands | None) -> AsyncIterator[httpx.AsyncClient]:
     app = create_app(settings, Pipeline(settings, commands))
     transport = httpx.ASGITransport(app, raise_app_exceptions=True)
     async with (

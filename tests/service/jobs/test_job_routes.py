@@ -14,12 +14,12 @@ import pytest
 
 from conicoid_service.settings import Settings
 from tests.service.conftest import FAKE, SCENE, named, serving
+from tests.service.jobs.asking import ended, in_state, submit
 from tests.service.test_http import assert_problem
 
 pytestmark = pytest.mark.anyio
 
 VIEW = SCENE["camera"]
-ENDED = ("succeeded", "failed", "cancelled")
 
 
 def batch(frames: int, name: str = "", **more: Any) -> dict[str, Any]:
@@ -38,30 +38,6 @@ async def client(tmp_path: Path, search_path: None, anyio_backend: str) -> Async
         settings(tmp_path, frame_limit=50, job_pixel_limit=50_000, owner_frame_limit=60), FAKE
     ) as served:
         yield served
-
-
-async def in_state(client: httpx.AsyncClient, href: str, *states: str) -> dict[str, Any]:
-    """The job once it is in one of some states."""
-    deadline = time.monotonic() + 20
-    while time.monotonic() < deadline:
-        job: dict[str, Any] = (await client.get(href)).json()
-        if job["state"] in states:
-            return job
-        await asyncio.sleep(0.02)
-    raise AssertionError(f"not in {states}: {job}")
-
-
-async def ended(client: httpx.AsyncClient, href: str) -> dict[str, Any]:
-    """The job once it has ended."""
-    return await in_state(client, href, *ENDED)
-
-
-async def submit(client: httpx.AsyncClient, document: object, **headers: str) -> dict[str, Any]:
-    response = await client.post("/v1/jobs", json=document, headers=headers)
-    assert response.status_code == 202, response.text
-    job: dict[str, Any] = response.json()
-    assert response.headers["location"] == job["href"]
-    return job
 
 
 async def test_every_frame_of_a_job_is_what_a_render_of_its_camera_gives(client: httpx.AsyncClient) -> None:
