@@ -38,7 +38,7 @@ def folder(path: str) -> FrameFiles:
     try:
         return FrameFiles(Path(path))
     except OSError as error:
-        raise Failure(f"frames cannot be written to {path}: {_reason(error)}") from None
+        raise Failure(unwritten(path, error)) from None
 
 
 def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> None:
@@ -65,8 +65,9 @@ def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> 
         _say(f"job {job.id} goes on; come back to it with: {resume_hint(options, job.id)}")
         raise
     except (OSError, Unreachable, ServerBusy) as error:
-        reason = _reason(error) if isinstance(error, OSError) else str(error)
-        raise Failure(f"{reason}\ngo on with: {resume_hint(options, job.id)}") from None
+        raise Failure(
+            f"{unwritten(options.output, error) if isinstance(error, OSError) else error}\ngo on with: {resume_hint(options, job.id)}"
+        ) from None
     except ProblemError as error:
         if error.code == "unknown-job":
             raise Failure(f"job {job.id} is not there any more: cancelled and collected, or expired") from None
@@ -135,11 +136,13 @@ def _shown(job: Job) -> Iterator[Callable[[Event], None]]:
         yield lambda event: bar.update(task, completed=count(event))
 
 
-def _reason(error: OSError) -> str:
-    if not error.strerror:
-        return str(error)
-    named = f"{error.filename}: " if isinstance(error.filename, str) else ""
-    return named + error.strerror[0].lower() + error.strerror[1:]
+def unwritten(path: str, error: OSError) -> str:
+    """Why frames cannot be written to a folder."""
+    cause = str(error)
+    if error.strerror:
+        named = f"{error.filename}: " if isinstance(error.filename, str) else ""
+        cause = named + error.strerror[0].lower() + error.strerror[1:]
+    return f"frames cannot be written to {path}: {cause}"
 
 
 def _say(text: str) -> None:

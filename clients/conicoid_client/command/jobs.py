@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from conicoid_client import files
 from conicoid_client.command.connect import connect_to_server
-from conicoid_client.command.follow import Outcome, conclude, folder, follow, resume_hint
+from conicoid_client.command.follow import Outcome, conclude, folder, follow, resume_hint, unwritten
 from conicoid_client.command.report import MOST_PROBLEMS, Failure
 from conicoid_client.jobs import Frame, Job
 
@@ -92,7 +92,7 @@ def _fetch(options: argparse.Namespace, client: "Client") -> None:
             elif frame.state == "failed":
                 outcome.failed.append(frame)
     except OSError as error:
-        raise Failure(f"{error}; go on with: {resume_hint(options, job.id)}") from None
+        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {resume_hint(options, job.id)}") from None
     if job.ended:
         conclude(options, outcome)
     elif sys.stderr is not None:
