@@ -64,10 +64,12 @@ def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> 
     except KeyboardInterrupt:
         _say(f"job {job.id} goes on; come back to it with: {resume_hint(options, job.id)}")
         raise
-    except (OSError, Unreachable, ServerBusy) as error:
-        raise Failure(
-            f"{unwritten(options.output, error) if isinstance(error, OSError) else error}\ngo on with: {resume_hint(options, job.id)}"
-        ) from None
+    except OSError as error:
+        if options.output is None:
+            raise
+        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {resume_hint(options, job.id)}") from None
+    except (Unreachable, ServerBusy) as error:
+        raise Failure(f"{error}\ngo on with: {resume_hint(options, job.id)}") from None
     except ProblemError as error:
         if error.code == "unknown-job":
             raise Failure(f"job {job.id} is not there any more: cancelled and collected, or expired") from None
