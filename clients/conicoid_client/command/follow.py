@@ -22,10 +22,9 @@ _LINE_EVERY_S = 10.0
 
 @dataclass
 class Outcome:
-    """What became of a job's frames; `saved` counts those that were fetched or there already."""
+    """What became of a job, and the frames of it that are known to have failed."""
 
     job: Job
-    saved: int = 0
     failed: list[Frame] = field(default_factory=list)
 
 
@@ -49,32 +48,42 @@ def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> 
         KeyboardInterrupt: the user did; the job goes on, and the user is told how to come back to it.
     """
     outcome = Outcome(job)
+    with (
+        _explained(options, job),
+        connect_to_server(options, patience_s=_PATIENCE_S) as client,
+        _shown(job) as show,
+    ):
+        for event in client.events(job.id):
+            if isinstance(event, FrameEnded):
+                if event.frame.state == "failed":
+                    outcome.failed.append(event.frame)
+                elif event.frame.state == "succeeded" and frames is not None:
+                    frames.save(client, job.id, event.frame)
+            show(event)
+            if isinstance(event, JobEnded):
+                outcome.job = event.job
+    conclude(options, outcome)
+
+
+@contextmanager
+def _explained(options: argparse.Namespace, job: Job) -> Iterator[None]:
+    """What comes between, with how to go on."""
+    hint = resume_hint(options, job.id)
     try:
-        with connect_to_server(options, patience_s=_PATIENCE_S) as client, _shown(job) as show:
-            for event in client.events(job.id):
-                if isinstance(event, FrameEnded):
-                    if event.frame.state == "failed":
-                        outcome.failed.append(event.frame)
-                    elif event.frame.state == "succeeded" and frames is not None:
-                        frames.save(client, job.id, event.frame)
-                        outcome.saved += 1
-                show(event)
-                if isinstance(event, JobEnded):
-                    outcome.job = event.job
+        yield
     except KeyboardInterrupt:
-        _say(f"job {job.id} goes on; come back to it with: {resume_hint(options, job.id)}")
+        _say(f"job {job.id} goes on; come back to it with: {hint}")
         raise
     except OSError as error:
         if options.output is None:
             raise
-        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {resume_hint(options, job.id)}") from None
+        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {hint}") from None
     except (Unreachable, ServerBusy) as error:
-        raise Failure(f"{error}\ngo on with: {resume_hint(options, job.id)}") from None
+        raise Failure(f"{error}\ngo on with: {hint}") from None
     except ProblemError as error:
         if error.code == "unknown-job":
-            raise Failure(f"job {job.id} is not there any more: cancelled and collected, or expired") from None
+            raise Failure(f"job {job.id} is not there any more; its frames are gone when it expires") from None
         raise
-    conclude(options, outcome)
 
 
 def conclude(options: argparse.Namespace, outcome: Outcome) -> None:

@@ -79,7 +79,7 @@ def _show(options: argparse.Namespace, client: "Client") -> None:
 def _fetch(options: argparse.Namespace, client: "Client") -> None:
     job = client.job(options.id)
     target = folder(options.output)
-    outcome = Outcome(job)
+    outcome, saved = Outcome(job), 0
     try:
         if options.frame is not None:
             # What is not there is asked for all the same: the answer says why.
@@ -88,7 +88,7 @@ def _fetch(options: argparse.Namespace, client: "Client") -> None:
         for frame in client.frames(job.id):
             if frame.state == "succeeded":
                 target.save(client, job.id, frame)
-                outcome.saved += 1
+                saved += 1
             elif frame.state == "failed":
                 outcome.failed.append(frame)
     except OSError as error:
@@ -96,7 +96,7 @@ def _fetch(options: argparse.Namespace, client: "Client") -> None:
     if job.ended:
         conclude(options, outcome)
     elif sys.stderr is not None:
-        print(f"job {job.id} is {job.state}: {outcome.saved} of {job.frames_total} frames are in {options.output}",
+        print(f"job {job.id} is {job.state}: {saved} of {job.frames_total} frames are in {options.output}",
               file=sys.stderr)  # fmt: skip
 
 
