@@ -37,18 +37,19 @@ def messages(chunks: Iterable[bytes]) -> Iterator[Message]:
     Raises:
         ClientError: it is not UTF-8, or an event is larger than a MiB.
     """
-    event, event_id, data = "", None, list[str]()
+    event, event_id, data, size = "", None, list[str](), 0
     for line in _lines(chunks):
         if not line:
             if data:
                 yield Message(event or "message", "\n".join(data), event_id)
-            event, event_id, data = "", None, []
+            event, event_id, data, size = "", None, [], 0
             continue
         name, _, value = line.partition(":")
         value = value.removeprefix(" ")
         if name == "data":
             data.append(value)
-            if sum(map(len, data)) > _LARGEST_EVENT:
+            size += len(value) + 1
+            if size > _LARGEST_EVENT:
                 raise ClientError("the service sent an event that is larger than a MiB")
         elif name == "event":
             event = value

@@ -71,6 +71,8 @@ def create_app(
                 await app.state.jobs.stop()
             await running.stop()
             images.close()
+            if app.state.traces is not None:
+                await asyncio.to_thread(app.state.traces.close)
 
     app = FastAPI(
         title="Conicoid",

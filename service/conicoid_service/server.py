@@ -10,7 +10,7 @@ from functools import partial
 from types import FrameType
 from typing import TYPE_CHECKING, Any, cast
 
-from conicoid_service.errors import StoreError
+from conicoid_service.errors import SettingsError, StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings, variable
@@ -45,7 +45,7 @@ def serve(
     Returns:
         Whether the service came up at all.
     Raises:
-        SettingsError: the environment's settings are unusable.
+        SettingsError: the environment's settings are unusable, or it asks for traces that cannot be had.
         StoreError: the job store cannot be opened.
         SystemExit: the address cannot be bound.
     """
@@ -62,11 +62,10 @@ def serve(
     from conicoid_service.jobs.disk import Disk
 
     try:
-        disk = Disk(settings)
-    except StoreError:
+        app = create_app(settings, pipeline, disk=Disk(settings))
+    except (StoreError, SettingsError):
         asyncio.run(pipeline.stop())
         raise
-    app = create_app(settings, pipeline, disk=disk)
     server = server_of(app, settings, host=host, port=port, log_config=None)
     if threading.current_thread() is threading.main_thread():
         # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.

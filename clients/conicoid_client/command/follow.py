@@ -22,10 +22,9 @@ _LINE_EVERY_S = 10.0
 
 @dataclass
 class Outcome:
-    """What became of a job's frames; `saved` counts those that were fetched or there already."""
+    """What became of a job, and the frames of it that are known to have failed."""
 
     job: Job
-    saved: int = 0
     failed: list[Frame] = field(default_factory=list)
 
 
@@ -38,7 +37,7 @@ def folder(path: str) -> FrameFiles:
     try:
         return FrameFiles(Path(path))
     except OSError as error:
-        raise Failure(f"frames cannot be written to {path}: {_reason(error)}") from None
+        raise Failure(unwritten(path, error)) from None
 
 
 def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> None:
@@ -49,29 +48,42 @@ def follow(options: argparse.Namespace, job: Job, frames: FrameFiles | None) -> 
         KeyboardInterrupt: the user did; the job goes on, and the user is told how to come back to it.
     """
     outcome = Outcome(job)
+    with (
+        _explained(options, job),
+        connect_to_server(options, patience_s=_PATIENCE_S) as client,
+        _shown(job) as show,
+    ):
+        for event in client.events(job.id):
+            if isinstance(event, FrameEnded):
+                if event.frame.state == "failed":
+                    outcome.failed.append(event.frame)
+                elif event.frame.state == "succeeded" and frames is not None:
+                    frames.save(client, job.id, event.frame)
+            show(event)
+            if isinstance(event, JobEnded):
+                outcome.job = event.job
+    conclude(options, outcome)
+
+
+@contextmanager
+def _explained(options: argparse.Namespace, job: Job) -> Iterator[None]:
+    """What comes between, with how to go on."""
+    hint = resume_hint(options, job.id)
     try:
-        with connect_to_server(options, patience_s=_PATIENCE_S) as client, _shown(job) as show:
-            for event in client.events(job.id):
-                if isinstance(event, FrameEnded):
-                    if event.frame.state == "failed":
-                        outcome.failed.append(event.frame)
-                    elif event.frame.state == "succeeded" and frames is not None:
-                        frames.save(client, job.id, event.frame)
-                        outcome.saved += 1
-                show(event)
-                if isinstance(event, JobEnded):
-                    outcome.job = event.job
+        yield
     except KeyboardInterrupt:
-        _say(f"job {job.id} goes on; come back to it with: {resume_hint(options, job.id)}")
+        _say(f"job {job.id} goes on; come back to it with: {hint}")
         raise
-    except (OSError, Unreachable, ServerBusy) as error:
-        reason = _reason(error) if isinstance(error, OSError) else str(error)
-        raise Failure(f"{reason}\ngo on with: {resume_hint(options, job.id)}") from None
+    except OSError as error:
+        if options.output is None:
+            raise
+        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {hint}") from None
+    except (Unreachable, ServerBusy) as error:
+        raise Failure(f"{error}\ngo on with: {hint}") from None
     except ProblemError as error:
         if error.code == "unknown-job":
-            raise Failure(f"job {job.id} is not there any more: cancelled and collected, or expired") from None
+            raise Failure(f"job {job.id} is not there any more; its frames are gone when it expires") from None
         raise
-    conclude(options, outcome)
 
 
 def conclude(options: argparse.Namespace, outcome: Outcome) -> None:
@@ -135,11 +147,13 @@ def _shown(job: Job) -> Iterator[Callable[[Event], None]]:
         yield lambda event: bar.update(task, completed=count(event))
 
 
-def _reason(error: OSError) -> str:
-    if not error.strerror:
-        return str(error)
-    named = f"{error.filename}: " if isinstance(error.filename, str) else ""
-    return named + error.strerror[0].lower() + error.strerror[1:]
+def unwritten(path: str, error: OSError) -> str:
+    """Why frames cannot be written to a folder."""
+    cause = str(error)
+    if error.strerror:
+        named = f"{error.filename}: " if isinstance(error.filename, str) else ""
+        cause = named + error.strerror[0].lower() + error.strerror[1:]
+    return f"frames cannot be written to {path}: {cause}"
 
 
 def _say(text: str) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from conicoid_client import files
 from conicoid_client.command.connect import connect_to_server
-from conicoid_client.command.follow import Outcome, conclude, folder, follow, resume_hint
+from conicoid_client.command.follow import Outcome, conclude, folder, follow, resume_hint, unwritten
 from conicoid_client.command.report import MOST_PROBLEMS, Failure
 from conicoid_client.jobs import Frame, Job
 
@@ -79,7 +79,7 @@ def _show(options: argparse.Namespace, client: "Client") -> None:
 def _fetch(options: argparse.Namespace, client: "Client") -> None:
     job = client.job(options.id)
     target = folder(options.output)
-    outcome = Outcome(job)
+    outcome, saved = Outcome(job), 0
     try:
         if options.frame is not None:
             # What is not there is asked for all the same: the answer says why.
@@ -88,15 +88,15 @@ def _fetch(options: argparse.Namespace, client: "Client") -> None:
         for frame in client.frames(job.id):
             if frame.state == "succeeded":
                 target.save(client, job.id, frame)
-                outcome.saved += 1
+                saved += 1
             elif frame.state == "failed":
                 outcome.failed.append(frame)
     except OSError as error:
-        raise Failure(f"{error}; go on with: {resume_hint(options, job.id)}") from None
+        raise Failure(f"{unwritten(options.output, error)}\ngo on with: {resume_hint(options, job.id)}") from None
     if job.ended:
         conclude(options, outcome)
     elif sys.stderr is not None:
-        print(f"job {job.id} is {job.state}: {outcome.saved} of {job.frames_total} frames are in {options.output}",
+        print(f"job {job.id} is {job.state}: {saved} of {job.frames_total} frames are in {options.output}",
               file=sys.stderr)  # fmt: skip
 
 

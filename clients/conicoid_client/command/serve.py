@@ -13,7 +13,7 @@ def run(options: argparse.Namespace) -> None:
     """Listen, then answer until SIGINT or SIGTERM."""
     configuration = settings(options.config)
     listener = _listen(options.host, options.port)
-    from conicoid_service.errors import StoreError
+    from conicoid_service.errors import SettingsError, StoreError
     from conicoid_service.server import serve
 
     host, port = listener.getsockname()[:2]
@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> None:
         signal.signal(ending, lambda *_: None)
     try:
         started = serve(settings=configuration, listener=listener)
-    except StoreError as error:
+    except (StoreError, SettingsError) as error:
         raise Failure(str(error)) from None
     if not started:
         raise Failure("the service did not start; its log above says why")

@@ -1,6 +1,7 @@
 """Whether a request that comes now would be answered."""
 
 import asyncio
+import logging
 import time
 from collections.abc import Mapping
 from typing import Final
@@ -11,6 +12,8 @@ from conicoid_service.errors import NotReadyError, ServiceError, StoppingError, 
 from conicoid_service.supervisor import Supervisor
 
 _DISK_S: Final = 2.0  # for a small file; and how long its answer stands, since whoever asks needs no key
+
+logger = logging.getLogger(__name__)
 
 
 class Readiness:
@@ -46,8 +49,11 @@ class Readiness:
                     await asyncio.wait_for(self._state.jobs.check(), _DISK_S)
                 except StorageError as error:
                     self._disk = error
-                except TimeoutError:
+                except TimeoutError:  # an OSError, too
                     self._disk = StorageError(f"the disk has not taken a small file in {_DISK_S:g} s")
+                except OSError:
+                    logger.exception("the disk does not take a small file")
+                    self._disk = StorageError("the disk does not take a small file; the log says why")
                 else:
                     self._disk = None
                 self._disk_checked = time.monotonic()

@@ -11,6 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from conicoid_service.telemetry.context import Notes, request_id, take_notes
 from conicoid_service.telemetry.metrics import Ended, Metrics
+from conicoid_service.telemetry.traces import Traces
 
 HEADER: Final = "X-Request-ID"
 OTHER: Final = "other"  # a label's value for all that clients make up
@@ -26,8 +27,8 @@ logger = logging.getLogger(__name__)
 class Requests:
     """ASGI middleware: gives each request an id, counts it, logs it in one line."""
 
-    def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
-        self._app, self._metrics = app, metrics
+    def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None) -> None:
+        self._app, self._metrics, self._traces = app, metrics, traces
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on."""
@@ -42,6 +43,8 @@ class Requests:
                 ended = watch.ended()
                 self._metrics.ended(ended, watch.notes.code, watch.notes.image)
                 _log(scope, ended, watch.notes)
+                if self._traces:
+                    _trace(self._traces, scope, ended, watch.notes)
 
 
 class _Watch:
@@ -111,3 +114,14 @@ def _log(scope: Scope, ended: Ended, notes: Notes) -> None:
     quiet = ended.route in _PROBES and ended.status < 400
     level = logging.DEBUG if quiet else logging.WARNING if ended.status >= 500 else logging.INFO
     logger.log(level, "request", extra=fields)
+
+
+def _trace(traces: Traces, scope: Scope, ended: Ended, notes: Notes) -> None:
+    attributes = {
+        "http.request.method": ended.method,
+        "http.route": ended.route,
+        "http.response.status_code": ended.status,
+        "conicoid.request_id": request_id.get(),
+    }
+    headers = Headers(scope=scope)
+    traces.record(f"{ended.method} {ended.route}", headers, attributes, ended.seconds, time.time_ns(), notes.steps)
