@@ -24,7 +24,7 @@ async def app(tmp_path: Path, search_path: None, anyio_backend: str) -> AsyncIte
     settings = Settings(data_dir=tmp_path)
     served = create_app(settings, Pipeline(settings, FAKE))
     async with served.router.lifespan_context(served):
-        await served.state.pipeline.device()
+        await asyncio.gather(*(child.hello() for child in served.state.pipeline.children.values()))
         yield served
 
 

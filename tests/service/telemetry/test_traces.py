@@ -51,5 +51,6 @@ def test_traces_without_the_library_are_refused_with_the_remedy(monkeypatch: pyt
 
 
 def test_the_application_loads_nothing_of_it_unasked() -> None:
-    load = "import conicoid_service.app as a, sys; a.create_app(keeps_jobs=False); print('opentelemetry.sdk' in sys.modules)"
+    load = "import conicoid_service.app, sys; conicoid_service.app.create_app(keeps_jobs=False)"
+    load += "; print('opentelemetry.sdk' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", load], check=True, capture_output=True).stdout == b"False\n"
