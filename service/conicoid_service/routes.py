@@ -1,6 +1,7 @@
 """What the service does for scenes: render, canonical form, keep; and what it does it with."""
 
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 from typing import Any, Final
 
@@ -148,7 +149,7 @@ async def device(request: Request) -> dict[str, Any]:
         "compute_units": opencl["compute_units"],
         "global_memory": opencl["global_memory"],
         "threads": hello["threads"],
-        "libraries": {name: version(name) for name in LIBRARIES},
+        "libraries": _libraries(),
         "precision": {
             "exact": "every hit and id decided exactly, every depth correctly rounded; see docs/exactness.md",
             "float64": "evaluated in binary64 after an accurate set-up",
@@ -163,6 +164,12 @@ async def device(request: Request) -> dict[str, Any]:
             "deadline_s": settings.deadline_s,
         },
     }
+
+
+@cache
+def _libraries() -> dict[str, str]:
+    """Names and versions, which take milliseconds to look up."""
+    return {name: version(name) for name in LIBRARIES}
 
 
 def _about(kept: KeptScene) -> dict[str, Any]:
