@@ -299,3 +299,20 @@ async def test_store_that_is_full_of_needed_images_takes_no_more_jobs(tmp_path: 
         response = await client.post("/v1/jobs", json=batch(1))
         assert_problem(response, 507, "storage")
         assert int(response.headers["retry-after"]) >= 1
+
+
+async def test_two_services_of_one_store_share_its_jobs(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    one_settings = settings(tmp_path)
+    async with serving(one_settings, FAKE) as one, serving(one_settings, FAKE) as other:
+        job = await submit(one, batch(12, "sleep 0.2"))
+        watched = events_of((await other.get(job["events"])).text)
+        assert watched[-1][0] == "end"
+        assert [data["frame"] for name, _, data in watched if name == "frame"].count(3) == 1
+        assert (await ended(other, job["href"]))["frames_done"] == 12
+        assert (await other.get(f"{job['href']}/frames/7")).content == (
+            await one.get(f"{job['href']}/frames/7")
+        ).content
+        slow = await submit(one, batch(2, "sleep 30"))
+        await in_state(one, slow["href"], "running")
+        assert (await other.delete(slow["href"])).status_code == 202
+        assert (await ended(one, (await submit(one, batch(1)))["href"]))["state"] == "succeeded"
