@@ -3,6 +3,7 @@
 Only JSON is read on the API's side, so a child that hostile input has taken over cannot make the API run anything.
 """
 
+import select
 import socket
 import struct
 import time
@@ -59,6 +60,12 @@ class Channel:
         except ConnectionError as error:
             raise EOFError("the other end is gone") from error
         return message, blobs
+
+    def readable(self) -> bool:
+        """Whether `receive` would find something, or the end, at once."""
+        poll = select.poll()
+        poll.register(self._socket, select.POLLIN)
+        return bool(poll.poll(0))
 
     def shutdown(self) -> None:
         """Make both ends see the end of the stream, also one that waits in another thread."""

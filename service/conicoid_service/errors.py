@@ -103,6 +103,16 @@ class QueueFullError(ServiceError):
     retry_after_s = 1
 
 
+class OutOfMemoryError(ServiceError):
+    """The request needs more memory than the process that works on it may have."""
+
+    code = "memory"
+
+
+class GivenUpError(ServiceError):
+    """Nobody waits for the request any more; nobody gets this error either."""
+
+
 class RenderCrashedError(ServiceError):
     """The process that worked on the request died, and so did its replacement."""
 

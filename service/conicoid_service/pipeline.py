@@ -14,11 +14,15 @@ from functools import partial
 from conicoid_service.blob import Blob
 from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
+from conicoid_service.child import Kind
+from conicoid_service.cpus import usable_cpus
 from conicoid_service.errors import UnknownSceneError
 from conicoid_service.images import Image
 from conicoid_service.kept_scenes import KeptScene, KeptScenes
+from conicoid_service.memory import usable_memory
+from conicoid_service.pool import Pool
 from conicoid_service.settings import Settings
-from conicoid_service.supervisor import Answer, Supervisor
+from conicoid_service.task import Answer
 from conicoid_service.telemetry import context
 
 Timings = dict[str, float]
@@ -78,7 +82,7 @@ class ReadBatch:
 
 
 class Pipeline:
-    """Both children and what flows through them.
+    """The children and what flows through them.
 
     Attributes:
         on_answer: called with every answer of a child and what it took.
@@ -94,17 +98,13 @@ class Pipeline:
             "frames": settings.frame_limit,
             "pixels of a job": settings.job_pixel_limit,
         }
-        supervised = partial(
-            Supervisor,
-            queue_length=settings.queue_length,
-            deadline_s=settings.deadline_s,
-            start_deadline_s=settings.start_deadline_s,
-        )
-        device = {"device": settings.device, "threads": settings.threads, "cache_dir": str(settings.cache_dir)}
+        pool = partial(Pool, queue_length=settings.queue_length, owner_queue_length=settings.owner_queue_length)
+        deadlines = settings.deadline_s, settings.start_deadline_s
         self.kept = KeptScenes(settings.kept_limit)
         self.on_answer: Callable[[context.Step, Message], None] = lambda *_: None
-        self._documents = supervised("document", commands.document, {})
-        self._renders = supervised("render", commands.render, device)
+        self._documents = pool(Kind("document", commands.document, {}, *deadlines))
+        renders = Kind("render", commands.render, _configuration(settings), *deadlines, settings.render_recycle_after)
+        self._renders = pool(renders, processes=settings.render_processes)
 
     def start(self) -> None:
         """Start both children in the background, if they are not started already.
@@ -120,8 +120,8 @@ class Pipeline:
         self.kept.close()
 
     @property
-    def children(self) -> Mapping[str, Supervisor]:
-        """Both, by their names."""
+    def children(self) -> Mapping[str, Pool]:
+        """Both pools, by their names."""
         return {child.name: child for child in (self._documents, self._renders)}
 
     async def device(self) -> Message:
@@ -182,10 +182,11 @@ class Pipeline:
         timings = self._timings("document", answer)
         return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], timings)
 
-    async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:  # noqa: ARG002
+    async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:
         """The EXR image of a scene. Takes the scene over; the caller closes the image."""
         message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash, "stored": read.stored}
-        answer = await self._renders.call(message | context.ids(), [read.view, read.quadrics])
+        ids = context.ids()
+        answer = await self._renders.call(message | ids, [read.view, read.quadrics], owner=owner, batch=batch)
         escalated = answer.message["refined"], answer.message["settled"]
         return Image(answer.blobs[0], read.scene_hash, *escalated), self._timings("render", answer)
 
@@ -199,3 +200,14 @@ class Pipeline:
         context.notes().steps.append(step)
         self.on_answer(step, answer.message)
         return timings
+
+
+def _configuration(settings: Settings) -> Message:
+    """What each render process is told: its share of the CPUs and of the memory, unless the settings name them."""
+    processes = settings.render_processes
+    return {
+        "device": settings.device,
+        "threads": settings.threads or max(1, usable_cpus() // processes),
+        "memory_limit": settings.render_memory_limit or usable_memory() * 3 // 4 // processes,
+        "cache_dir": str(settings.cache_dir),
+    }

@@ -30,6 +30,7 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "body-timeout": (408, "Body too slow"),
     "head-timeout": (408, "Request too slow"),
     "limit": (413, "Too much work"),
+    "memory": (413, "Too much memory"),
     "media-type": (415, "Unsupported media type"),
     "content-encoding": (415, "Unsupported content encoding"),
     "camera-range": (422, "Camera beyond binary64"),

@@ -63,14 +63,29 @@ class Process:
         self._grace_s = GRACE_S
         self.hello: Message | None = None
 
-    def greet(self, configuration: Message, deadline_s: float) -> None:
-        """Send the configuration and wait until the child is ready; `hello` is then what it says about itself.
+    def greet(self, configuration: Message) -> None:
+        """Send the configuration.
+
+        Raises:
+            ProcessLostError: the child died already.
+        """
+        try:
+            self._channel.send(configuration)
+        except OSError:
+            raise ProcessLostError(self.end()) from None
+
+    def has_spoken(self) -> bool:
+        """Whether the child has sent something, or ended."""
+        return self._channel.readable()
+
+    def await_ready(self, deadline_s: float) -> None:
+        """Wait until a child that was greeted is ready; `hello` is then what it says about itself.
 
         Raises:
             ReportedError: the child says why it cannot work.
             ProcessLostError: it died or took too long.
         """
-        self.hello = self.exchange(configuration, (), deadline_s).message["ready"]
+        self.hello = self._reply(deadline_s).message["ready"]
 
     @property
     def pid(self) -> int:
@@ -91,6 +106,12 @@ class Process:
         """
         try:
             self._channel.send(message, blobs)
+        except OSError:
+            raise ProcessLostError(self.end()) from None
+        return self._reply(deadline_s)
+
+    def _reply(self, deadline_s: float) -> Reply:
+        try:
             reply, results = self._channel.receive(deadline_s)
         except TimeoutError:
             self.end(grace_s=0)

@@ -11,8 +11,8 @@ from conicoid.scene import Quadrics, Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
-from conicoid_service.cpus import usable_cpus
 from conicoid_service.kernel_cache import take_slot
+from conicoid_service.memory import limit_memory
 from conicoid_service.views import view_from
 from conicoid_service.worker import Handler, Reply, serve
 
@@ -45,7 +45,8 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     Raises:
         DeviceError: there is no usable device, or the kernels do not build on it.
     """
-    threads = configuration["threads"] or usable_cpus()
+    limit_memory(configuration["memory_limit"])
+    threads = configuration["threads"]
     os.environ["POCL_MAX_PTHREAD_COUNT"] = str(threads)  # PoCL up to 6
     os.environ["POCL_CPU_MAX_CU_COUNT"] = str(threads)  # PoCL from 6 on
     take_slot(configuration["cache_dir"], after=configuration["after"])

@@ -46,6 +46,9 @@ class Settings:
     cache_dir: Path = field(default_factory=_cache_dir, metadata=_about(Path, "folder for compiled kernels"))
 
     render_processes: int = field(default=1, metadata=_about(int, "render processes", 1))
+    render_memory_limit: int = field(default=0, metadata=_about(int, "bytes for a render process", 0))
+    render_recycle_after: int = field(default=10_000, metadata=_about(int, "requests in a render process's life", 0))
+    owner_queue_length: int = field(default=16, metadata=_about(int, "requests of one owner that may wait", 0))
     data_dir: Path = field(default_factory=_data_dir, metadata=_about(Path, "folder for jobs and their images"))
     store_limit: int = field(default=16 * 2**30, metadata=_about(int, "bytes of images on the disk", 0))
     result_lifetime_s: float = field(default=7 * 86400.0, metadata=_about(float, "seconds that ended jobs are kept", 1))

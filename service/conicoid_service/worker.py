@@ -14,6 +14,7 @@ from conicoid_service.blob import Blob
 from conicoid_service.channel import Channel, Message
 from conicoid_service.errors import DEFECT
 from conicoid_service.heap import keep_freed_memory
+from conicoid_service.memory import out_of_memory
 from conicoid_service.telemetry import context
 from conicoid_service.telemetry.logs import LOG_FORMAT, configure
 
@@ -47,6 +48,9 @@ def _converse(channel: Channel, start: Start) -> None:
     except ConicoidError as error:
         channel.send(failure(error))
         return
+    except MemoryError:
+        channel.send(failure(out_of_memory()))
+        return
     channel.send({"ready": hello})
     while True:
         _answer(channel, handler, *channel.receive())
@@ -69,6 +73,8 @@ def _answer(channel: Channel, handler: Handler, message: Message, blobs: list[Bl
         reply, results = handler(message, blobs)
     except ConicoidError as error:
         reply = failure(error)
+    except MemoryError:
+        reply = failure(out_of_memory())
     except Exception:
         logging.getLogger(__name__).exception("a request failed in a way that is a defect")
         reply = {"failed": {"code": "internal", "detail": DEFECT}}

@@ -10,6 +10,7 @@ from pathlib import Path
 from conicoid.errors import DeviceError, LimitError, Problem, SceneError
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
+from conicoid_service.memory import limit_memory
 from conicoid_service.worker import Handler, Reply, serve
 
 
@@ -34,6 +35,11 @@ def refuse_limit() -> None:
     raise LimitError("pixels", 10, 11)
 
 
+def too_large() -> None:
+    limit_memory(1 << 30)
+    bytearray(1 << 31)
+
+
 def defect() -> None:
     raise ZeroDivisionError("a secret of the server's")
 
@@ -47,6 +53,7 @@ FAULTS: dict[str, Callable[[], None]] = {
     "scene": refuse_scene,
     "limit": refuse_limit,
     "defect": defect,
+    "memory": too_large,
     "echo": lambda: None,
 }
 

@@ -6,13 +6,14 @@ import signal
 import subprocess
 import sys
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from conicoid_service.blob import Blob
+from conicoid_service.child import Kind
 from conicoid_service.errors import (
     QueueFullError,
     RenderCrashedError,
@@ -21,13 +22,11 @@ from conicoid_service.errors import (
     StoppingError,
     UnavailableError,
 )
-from conicoid_service.supervisor import Supervisor
+from conicoid_service.pool import Pool
 
 pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("nothing_left")]
 
 FAULTY = (sys.executable, str(Path(__file__).with_name("faulty_worker.py")))
-
-Running = AbstractAsyncContextManager[Supervisor]
 
 
 @asynccontextmanager
@@ -38,15 +37,9 @@ async def supervisor(
     queue_length: int = 8,
     deadline_s: float = 60,
     start_deadline_s: float = 60,
-) -> AsyncIterator[Supervisor]:
-    running = Supervisor(
-        "render",
-        command,
-        configuration or {},
-        queue_length=queue_length,
-        deadline_s=deadline_s,
-        start_deadline_s=start_deadline_s,
-    )
+) -> AsyncIterator[Pool]:
+    kind = Kind("render", command, configuration or {}, deadline_s, start_deadline_s)
+    running = Pool(kind, queue_length=queue_length, owner_queue_length=queue_length)
     running.start()
     try:
         yield running
@@ -54,7 +47,7 @@ async def supervisor(
         await asyncio.to_thread(running.stop)
 
 
-async def echo(running: Supervisor) -> int:
+async def echo(running: Pool) -> int:
     """The pid that answered."""
     return int((await running.call({"do": "echo"})).message["pid"])
 
@@ -218,17 +211,6 @@ async def test_a_caller_that_gives_up_frees_its_place_and_its_results() -> None:
         assert first == await echo(running)
 
 
-async def test_a_cancelled_request_that_runs_frees_the_child_within_a_second_and_is_not_tried_again() -> None:
-    async with supervisor() as running:
-        first = await echo(running)
-        hanging = asyncio.create_task(running.call({"do": "hang"}, [Blob.of(b"data")]))
-        await asyncio.sleep(0.1)
-        hanging.cancel()
-        await asyncio.wait([hanging])
-        async with asyncio.timeout(1 + 1):  # the second is for the start of the fresh child, on a busy machine
-            assert await echo(running) != first
-
-
 async def test_time_in_the_queue_is_counted() -> None:
     async with supervisor() as running:
         await echo(running)
@@ -257,10 +239,11 @@ async def test_stopping_does_not_wait_for_a_child_that_is_still_starting() -> No
 
 PARENT = """
 import asyncio, sys
-from conicoid_service.supervisor import Supervisor
+from conicoid_service.child import Kind
+from conicoid_service.pool import Pool
 
 async def main(command, do):
-    running = Supervisor("render", command, {}, queue_length=1, deadline_s=60, start_deadline_s=60)
+    running = Pool(Kind("render", command, {}, 60, 60), queue_length=1, owner_queue_length=1)
     running.start()
     try:
         print((await running.hello())["pid"], flush=True)

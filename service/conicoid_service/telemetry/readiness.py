@@ -9,7 +9,7 @@ from typing import Final
 from starlette.datastructures import State
 
 from conicoid_service.errors import NotReadyError, ServiceError, StoppingError, StorageError
-from conicoid_service.supervisor import Supervisor
+from conicoid_service.pool import Pool
 
 _DISK_S: Final = 2.0  # for a small file; and how long its answer stands, since whoever asks needs no key
 
@@ -33,7 +33,7 @@ class Readiness:
 
     async def checks(self) -> dict[str, ServiceError | None]:
         """Each check's name and why it fails, None if it does not; the first one that fails is the reason."""
-        children: Mapping[str, Supervisor] = self._state.pipeline.children
+        children: Mapping[str, Pool] = self._state.pipeline.children
         found = {"draining": StoppingError("the service is shutting down") if self.draining else None}
         return {
             **found,
@@ -60,11 +60,11 @@ class Readiness:
         return self._disk
 
 
-def _child(child: Supervisor) -> ServiceError | None:
+def _child(child: Pool) -> ServiceError | None:
     if child.ready:
         return None
     return child.failure or NotReadyError(f"the {child.name} process is starting; requests wait for it")
 
 
-def _queue(child: Supervisor) -> ServiceError | None:
+def _queue(child: Pool) -> ServiceError | None:
     return None if child.room else NotReadyError("as many requests wait as may")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from starlette.datastructures import State
 
 from conicoid_service.images import Images
+from conicoid_service.pool import Pool
 from conicoid_service.settings import Settings
-from conicoid_service.supervisor import Supervisor
 from conicoid_service.telemetry.watched import Readers, Readings
 
 
@@ -15,9 +15,9 @@ def watch(readers: Readers, state: State) -> None:
     """Register all that an application's state has; `state.jobs` is None where, or while, there is no job store."""
     settings: Settings = state.settings
     images: Images = state.gallery.images
-    children: Mapping[str, Supervisor] = state.pipeline.children
+    children: Mapping[str, Pool] = state.pipeline.children
     render = children["render"]
-    readers.watch("conicoid_processes", lambda: {name: float(child.ready) for name, child in children.items()})
+    readers.watch("conicoid_processes", lambda: {name: float(child.counts().alive) for name, child in children.items()})
     readers.watch("conicoid_queue_requests", lambda: {"all": render.waiting})
     readers.watch("conicoid_queue_limit", lambda: {"": settings.queue_length})
     readers.watch("conicoid_document_queue_requests", lambda: {"": children["document"].waiting})
