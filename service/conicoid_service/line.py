@@ -15,11 +15,12 @@ LEAST_RETRY_S, MOST_RETRY_S = 1, 60
 
 @dataclass(frozen=True)
 class Waiting:
-    """What a line holds at a moment: requests by class, the age of the oldest in seconds, those sent away so far."""
+    """What a line holds at a moment: requests by class, the age of the oldest of each in seconds, those sent away."""
 
     interactive: int
     batch: int
-    oldest_s: float
+    interactive_age_s: float
+    batch_age_s: float
     refusals: int
 
 
@@ -99,9 +100,7 @@ class Line:
         """What waits now."""
         with self._changed:
             interactive, batch = (self._classes[kind] for kind in (False, True))
-            oldest = min(interactive.oldest(), batch.oldest())
-            age_s = 0.0 if math.isinf(oldest) else time.perf_counter() - oldest
-            return Waiting(len(interactive), len(batch), age_s, self._refusals)
+            return Waiting(len(interactive), len(batch), interactive.age_s(), batch.age_s(), self._refusals)
 
     def _check_room(self, owner: str) -> None:
         turns = self._classes[False]
@@ -164,9 +163,10 @@ class _Turns:
     def count(self, owner: str) -> int:
         return len(self._owners.get(owner, ()))
 
-    def oldest(self) -> float:
-        """When the oldest came, infinity if there is none: in each owner's queue it is the first."""
-        return min((next(iter(own)).queued_at for own in self._owners.values()), default=math.inf)
+    def age_s(self) -> float:
+        """How long the oldest waits, 0 if there is none: in each owner's queue it is the first."""
+        now = time.perf_counter()
+        return max((now - next(iter(own)).queued_at for own in self._owners.values()), default=0.0)
 
     def __len__(self) -> int:
         return sum(map(len, self._owners.values()))

@@ -78,7 +78,7 @@ def test_who_is_cancelled_leaves_the_line_at_once() -> None:
     task = Task({"name": "a1"})
     waiting.put(task)
     task.future.cancel()
-    assert (waiting.waiting().interactive, waiting.waiting().oldest_s) == (0, 0.0)
+    assert (waiting.waiting().interactive, waiting.waiting().interactive_age_s) == (0, 0.0)
     put(waiting, "b1")
     assert order(waiting) == ["b1"]
 

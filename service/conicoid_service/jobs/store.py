@@ -130,17 +130,6 @@ class JobStore:
             end(connection, job_id, "cancelled", now_ms, self._lifetime_ms)
             return _job(connection, job_id), True
 
-    def states(self) -> tuple[dict[str, int], dict[str, int]]:
-        """How many jobs, and how many frames of jobs that have not ended, there are in each state."""
-        of_jobs = select(jobs.c.state, func.count()).group_by(jobs.c.state)
-        of_frames = (
-            select(frames.c.state, func.count())
-            .where(frames.c.job_id == jobs.c.id, jobs.c.state.in_(UNFINISHED))
-            .group_by(frames.c.state)
-        )
-        with self._database.reading() as connection:
-            return _counts(connection, of_jobs), _counts(connection, of_frames)
-
     def _check_limit(self, connection: Connection, new: NewJob) -> None:
         left = func.sum(jobs.c.frames_total - jobs.c.frames_done - jobs.c.frames_failed)
         of_owner = select(left).where(jobs.c.owner == new.owner, jobs.c.state.in_(UNFINISHED))
@@ -188,7 +177,3 @@ def _by_key(connection: Connection, new: NewJob) -> Job | None:
     query = select(*_JOB_COLUMNS).where(jobs.c.owner == new.owner, jobs.c.idempotency_key == new.idempotency_key)
     row = connection.execute(query).one_or_none()
     return Job(*row) if row else None
-
-
-def _counts(connection: Connection, query: Select[Any]) -> dict[str, int]:
-    return {str(row[0]): int(row[1]) for row in connection.execute(query)}

@@ -72,11 +72,6 @@ class Upkeep:
         with self._database.reading() as connection:
             return _bytes(connection, _NEEDED)
 
-    def all_bytes(self) -> int:
-        """Bytes of all images."""
-        with self._database.reading() as connection:
-            return _bytes(connection)
-
     def counts(self) -> dict[str, dict[str, float]]:
         """Jobs and frames by state, and bytes of all images."""
         with self._database.reading() as connection:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from starlette.datastructures import State
 
 from conicoid_service.images import Images
+from conicoid_service.line import Waiting
 from conicoid_service.pool import Pool
 from conicoid_service.settings import Settings
 from conicoid_service.telemetry.watched import Readers, Readings
@@ -18,7 +19,8 @@ def watch(readers: Readers, state: State) -> None:
     children: Mapping[str, Pool] = state.pipeline.children
     render = children["render"]
     readers.watch("conicoid_processes", lambda: {name: float(child.counts().alive) for name, child in children.items()})
-    readers.watch("conicoid_queue_requests", lambda: {"all": render.waiting})
+    readers.watch("conicoid_queue_requests", lambda: _by_class(render.counts().waiting, "{}"))
+    readers.watch("conicoid_queue_oldest_seconds", lambda: _by_class(render.counts().waiting, "{}_age_s"))
     readers.watch("conicoid_queue_limit", lambda: {"": settings.queue_length})
     readers.watch("conicoid_document_queue_requests", lambda: {"": children["document"].waiting})
     readers.watch("conicoid_losses", lambda: sum((child.losses for child in children.values()), Counter[str]()))
@@ -34,3 +36,7 @@ def watch(readers: Readers, state: State) -> None:
     readers.watch("conicoid_jobs", lambda: counted("jobs"))
     readers.watch("conicoid_frames", lambda: counted("frames"))
     readers.watch("conicoid_store_bytes", lambda: counted("bytes"))
+
+
+def _by_class(waiting: Waiting, name: str) -> dict[str, float]:
+    return {each: float(getattr(waiting, name.format(each))) for each in ("interactive", "batch")}

@@ -1,12 +1,29 @@
-"""Asking a service about jobs."""
+"""Batches, and asking a service about them."""
 
 import asyncio
+import json
 import time
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import httpx
 
+from conicoid_service.settings import Settings
+from tests.service.conftest import SCENE, named
+
+VIEW = SCENE["camera"]
 ENDED = ("succeeded", "failed", "cancelled")
+
+
+def batch(frames: int, name: str = "", **more: Any) -> dict[str, Any]:
+    """A scene seen by cameras that each look a little further."""
+    document = {key: value for key, value in named(name).items() if key != "camera"}
+    return document | {"cameras": [{**VIEW, "far": 10.0 + k} for k in range(frames)]} | more
+
+
+def settings(folder: Path, **changes: Any) -> Settings:
+    return replace(Settings(data_dir=folder / "store", image_cache_limit=0), **changes)
 
 
 async def in_state(client: httpx.AsyncClient, href: str, *states: str) -> dict[str, Any]:
@@ -31,3 +48,13 @@ async def submit(client: httpx.AsyncClient, document: object, **headers: str) ->
     job: dict[str, Any] = response.json()
     assert response.headers["location"] == job["href"]
     return job
+
+
+def events_of(text: str) -> list[tuple[str, str | None, Any]]:
+    """Name, id and data of each event."""
+    found = []
+    for block in text.split("\n\n"):
+        fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
+        if fields:
+            found.append((fields["event"], fields.get("id"), json.loads(fields["data"])))
+    return found

@@ -2,42 +2,17 @@
 
 import asyncio
 import json
-import os
 import time
-from collections.abc import AsyncIterator
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
 
-from conicoid_service.settings import Settings
-from tests.service.conftest import FAKE, SCENE, named, serving
-from tests.service.jobs.asking import ended, in_state, submit
+from tests.service.conftest import named
+from tests.service.jobs.asking import VIEW, batch, ended, in_state, submit
 from tests.service.test_http import assert_problem
 
 pytestmark = pytest.mark.anyio
-
-VIEW = SCENE["camera"]
-
-
-def batch(frames: int, name: str = "", **more: Any) -> dict[str, Any]:
-    """A scene seen by cameras that each look a little further."""
-    document = {key: value for key, value in named(name).items() if key != "camera"}
-    return document | {"cameras": [{**VIEW, "far": 10.0 + k} for k in range(frames)]} | more
-
-
-def settings(folder: Path, **changes: Any) -> Settings:
-    return replace(Settings(data_dir=folder / "store", image_cache_limit=0), **changes)
-
-
-@pytest.fixture
-async def client(tmp_path: Path, search_path: None, anyio_backend: str) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
-    async with serving(
-        settings(tmp_path, frame_limit=50, job_pixel_limit=50_000, owner_frame_limit=60), FAKE
-    ) as served:
-        yield served
 
 
 async def test_every_frame_of_a_job_is_what_a_render_of_its_camera_gives(client: httpx.AsyncClient) -> None:
@@ -208,111 +183,3 @@ async def test_malformed_batch_is_a_problem_at_its_place(client: httpx.AsyncClie
     problem = assert_problem(await client.post("/v1/jobs", json=document), 422, "scene-value")
     assert [error["pointer"] for error in problem["errors"]] == ["cameras[1].fov_y"]
     assert_problem(await client.post("/v1/render", json=batch(1)), 422, "scene-unsupported")
-
-
-async def test_job_outlives_the_service_and_is_finished_by_the_next(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
-    async with serving(settings(tmp_path), FAKE) as client:
-        done = await ended(client, (await submit(client, named("")))["href"])
-        job = await submit(client, batch(3, f"until {tmp_path / 'go'}"))
-        image = (await client.get(done["frames"][0]["href"])).content
-    (tmp_path / "go").touch()
-    async with serving(settings(tmp_path), FAKE) as client:
-        assert (await ended(client, job["href"]))["state"] == "succeeded"
-        assert (await client.get(done["frames"][0]["href"])).content == image
-        assert len((await client.get("/v1/jobs")).json()["jobs"]) == 2
-
-
-async def test_damaged_image_is_rendered_again(client: httpx.AsyncClient, tmp_path: Path) -> None:
-    job = await ended(client, (await submit(client, batch(3)))["href"])
-    hrefs = [frame["href"] for frame in job["frames"]]
-    images = [(await client.get(href)).content for href in hrefs]
-    folder = tmp_path / "store" / "images"
-    files = [next(folder.glob("*/" + frame["etag"].strip('"'))) for frame in job["frames"]]
-    files[0].unlink()
-    os.truncate(files[1], 100)
-    files[2].write_bytes(images[2][:-1] + bytes([images[2][-1] ^ 1]))
-    assert [(await client.get(href)).content for href in hrefs] == images
-    assert [file.read_bytes() for file in files] == images
-
-
-async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
-    async with serving(settings(tmp_path), FAKE) as client:
-        job = await submit(client, batch(1, f"until {tmp_path / 'go'}"))
-    file = next((tmp_path / "store" / "quadrics").glob("??/*"))
-    file.write_bytes(file.read_bytes()[:100])
-    (tmp_path / "go").touch()
-    async with serving(settings(tmp_path), FAKE) as client:
-        failed = await ended(client, job["href"])
-        assert failed["frames"][0]["error"]["code"] == "quadrics-file"
-
-
-def events_of(text: str) -> list[tuple[str, str | None, Any]]:
-    """Name, id and data of each event."""
-    found = []
-    for block in text.split("\n\n"):
-        fields = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
-        if fields:
-            found.append((fields["event"], fields.get("id"), json.loads(fields["data"])))
-    return found
-
-
-async def test_events_tell_every_frame_once_and_the_end(client: httpx.AsyncClient) -> None:
-    job = await submit(client, batch(4))
-    response = await client.get(job["events"])
-    assert response.headers["content-type"].startswith("text/event-stream")
-    events = events_of(response.text)
-    frames = [(event_id, data["frame"], data["frames_total"]) for name, event_id, data in events if name == "frame"]
-    assert [event_id for event_id, _, _ in frames] == ["1", "2", "3", "4"]
-    assert sorted(number for _, number, _ in frames) == [0, 1, 2, 3]
-    name, event_id, data = events[-1]
-    assert (name, event_id, data["state"], data["frames_done"]) == ("end", "end", "succeeded", 4)
-    assert next(name for name, _, _ in events) in ("progress", "frame")
-
-
-async def test_events_go_on_where_the_last_stream_was_cut(client: httpx.AsyncClient) -> None:
-    job = await ended(client, (await submit(client, batch(4)))["href"])
-    rest = events_of((await client.get(job["events"], headers={"Last-Event-ID": "3"})).text)
-    assert [event_id for name, event_id, _ in rest if name != "progress"] == ["4", "end"]
-    over = await client.get(job["events"], headers={"Last-Event-ID": "end"})
-    assert (over.status_code, over.content) == (204, b"")
-    for strange in ("-1", "x", "1e3", "99999999999"):
-        told = events_of((await client.get(job["events"], headers={"Last-Event-ID": strange})).text)
-        assert [event_id for name, event_id, _ in told if name == "frame"] == ["1", "2", "3", "4"]
-
-
-async def test_expired_job_is_gone_with_its_files(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
-    async with serving(settings(tmp_path, result_lifetime_s=1.0, store_limit=0), FAKE) as client:
-        job = await submit(client, batch(2))
-        await ended(client, job["href"])
-        deadline = time.monotonic() + 25
-        while (await client.get(job["href"])).status_code == 200:
-            assert time.monotonic() < deadline
-            await asyncio.sleep(0.2)
-        while [*(tmp_path / "store" / "images").glob("??/*")]:
-            assert time.monotonic() < deadline
-            await asyncio.sleep(0.2)
-
-
-async def test_store_that_is_full_of_needed_images_takes_no_more_jobs(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
-    async with serving(settings(tmp_path, store_limit=100), FAKE) as client:
-        await ended(client, (await submit(client, batch(1)))["href"])
-        response = await client.post("/v1/jobs", json=batch(1))
-        assert_problem(response, 507, "storage")
-        assert int(response.headers["retry-after"]) >= 1
-
-
-async def test_two_services_of_one_store_share_its_jobs(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
-    one_settings = settings(tmp_path)
-    async with serving(one_settings, FAKE) as one, serving(one_settings, FAKE) as other:
-        job = await submit(one, batch(12, "sleep 0.2"))
-        watched = events_of((await other.get(job["events"])).text)
-        assert watched[-1][0] == "end"
-        assert [data["frame"] for name, _, data in watched if name == "frame"].count(3) == 1
-        assert (await ended(other, job["href"]))["frames_done"] == 12
-        assert (await other.get(f"{job['href']}/frames/7")).content == (
-            await one.get(f"{job['href']}/frames/7")
-        ).content
-        slow = await submit(one, batch(2, "sleep 30"))
-        await in_state(one, slow["href"], "running")
-        assert (await other.delete(slow["href"])).status_code == 202
-        assert (await ended(one, (await submit(one, batch(1)))["href"]))["state"] == "succeeded"

@@ -116,3 +116,22 @@ async def test_a_reader_that_fails_takes_only_its_own_metric_away(caplog: pytest
     readers.watch("conicoid_frames", lambda: {"queued": 3})
     assert [family.name for family in await readers.read()] == ["conicoid_frames"]
     assert "conicoid_jobs cannot be read" in caplog.text
+
+
+async def test_what_waits_is_counted_by_class_and_its_age_grows(client: httpx.AsyncClient, tmp_path: Path) -> None:
+    go = tmp_path / "go"
+    requests = []
+    for scene in (named(f"until {go}"), named("")):  # the first is rendered, the second waits
+        requests.append(asyncio.create_task(client.post(RENDER, json=scene)))
+        await asyncio.sleep(0.5)
+    first = await scraped(client)
+    second = await scraped(client)
+    go.touch()
+    assert [(await one).status_code for one in requests] == [200, 200]
+    last = await scraped(client)
+    waiting = [one[sample("queue_requests", **{"class": "interactive"})] for one in (first, second, last)]
+    assert waiting == [1, 1, 0]
+    assert first[sample("queue_requests", **{"class": "batch"})] == 0
+    ages = [one[sample("queue_oldest_seconds", **{"class": "interactive"})] for one in (first, second, last)]
+    assert 0 < ages[0] < ages[1]
+    assert ages[2] == 0

@@ -1,0 +1,89 @@
+"""Jobs beyond one service's life, and what damage, time and a full store do to them."""
+
+import asyncio
+import os
+import time
+from pathlib import Path
+
+import httpx
+import pytest
+
+from tests.service.conftest import FAKE, named, serving
+from tests.service.jobs.asking import batch, ended, events_of, in_state, settings, submit
+from tests.service.test_http import assert_problem
+
+pytestmark = pytest.mark.anyio
+
+
+async def test_job_outlives_the_service_and_is_finished_by_the_next(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    async with serving(settings(tmp_path), FAKE) as client:
+        done = await ended(client, (await submit(client, named("")))["href"])
+        job = await submit(client, batch(3, f"until {tmp_path / 'go'}"))
+        image = (await client.get(done["frames"][0]["href"])).content
+    (tmp_path / "go").touch()
+    async with serving(settings(tmp_path), FAKE) as client:
+        assert (await ended(client, job["href"]))["state"] == "succeeded"
+        assert (await client.get(done["frames"][0]["href"])).content == image
+        assert len((await client.get("/v1/jobs")).json()["jobs"]) == 2
+
+
+async def test_damaged_image_is_rendered_again(client: httpx.AsyncClient, tmp_path: Path) -> None:
+    job = await ended(client, (await submit(client, batch(3)))["href"])
+    hrefs = [frame["href"] for frame in job["frames"]]
+    images = [(await client.get(href)).content for href in hrefs]
+    folder = tmp_path / "store" / "images"
+    files = [next(folder.glob("*/" + frame["etag"].strip('"'))) for frame in job["frames"]]
+    files[0].unlink()
+    os.truncate(files[1], 100)
+    files[2].write_bytes(images[2][:-1] + bytes([images[2][-1] ^ 1]))
+    assert [(await client.get(href)).content for href in hrefs] == images
+    assert [file.read_bytes() for file in files] == images
+
+
+async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    async with serving(settings(tmp_path), FAKE) as client:
+        job = await submit(client, batch(1, f"until {tmp_path / 'go'}"))
+    file = next((tmp_path / "store" / "quadrics").glob("??/*"))
+    file.write_bytes(file.read_bytes()[:100])
+    (tmp_path / "go").touch()
+    async with serving(settings(tmp_path), FAKE) as client:
+        failed = await ended(client, job["href"])
+        assert failed["frames"][0]["error"]["code"] == "quadrics-file"
+
+
+async def test_expired_job_is_gone_with_its_files(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    async with serving(settings(tmp_path, result_lifetime_s=1.0, store_limit=0), FAKE) as client:
+        job = await submit(client, batch(2))
+        await ended(client, job["href"])
+        deadline = time.monotonic() + 25
+        while (await client.get(job["href"])).status_code == 200:
+            assert time.monotonic() < deadline
+            await asyncio.sleep(0.2)
+        while [*(tmp_path / "store" / "images").glob("??/*")]:
+            assert time.monotonic() < deadline
+            await asyncio.sleep(0.2)
+
+
+async def test_store_that_is_full_of_needed_images_takes_no_more_jobs(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    async with serving(settings(tmp_path, store_limit=100), FAKE) as client:
+        await ended(client, (await submit(client, batch(1)))["href"])
+        response = await client.post("/v1/jobs", json=batch(1))
+        assert_problem(response, 507, "storage")
+        assert int(response.headers["retry-after"]) >= 1
+
+
+async def test_two_services_of_one_store_share_its_jobs(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
+    one_settings = settings(tmp_path)
+    async with serving(one_settings, FAKE) as one, serving(one_settings, FAKE) as other:
+        job = await submit(one, batch(12, "sleep 0.2"))
+        watched = events_of((await other.get(job["events"])).text)
+        assert watched[-1][0] == "end"
+        assert [data["frame"] for name, _, data in watched if name == "frame"].count(3) == 1
+        assert (await ended(other, job["href"]))["frames_done"] == 12
+        assert (await other.get(f"{job['href']}/frames/7")).content == (
+            await one.get(f"{job['href']}/frames/7")
+        ).content
+        slow = await submit(one, batch(2, "sleep 30"))
+        await in_state(one, slow["href"], "running")
+        assert (await other.delete(slow["href"])).status_code == 202
+        assert (await ended(one, (await submit(one, batch(1)))["href"]))["state"] == "succeeded"
