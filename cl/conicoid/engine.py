@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pyopencl
 from numpy.typing import NDArray
 
 from conicoid.bins import TILE, Binning
@@ -67,7 +68,17 @@ class Renderer:
             self.render(_warm_up_scene(precision))
 
     def render(self, scene: Scene) -> Frame:
-        """Cast every pixel of the crop."""
+        """Cast every pixel of the crop.
+
+        Raises:
+            MemoryError: NumPy or the driver gets no more memory.
+        """
+        try:
+            return self._render(scene)
+        except pyopencl.MemoryError as error:
+            raise MemoryError(str(error)) from error
+
+    def _render(self, scene: Scene) -> Frame:
         if scene.quadrics is not self._given:
             self._given, self._model = scene.quadrics, model_of(scene.quadrics)
         frame = self._full(replace(scene, quadrics=self._model.quadrics))

@@ -46,7 +46,7 @@ def started(image: str) -> Iterator[str]:
     try:
         yield container
     finally:
-        subprocess.run([*PODMAN, "rm", "--force", container], stdout=subprocess.DEVNULL, check=True)
+        subprocess.run([*PODMAN, "rm", "--force", "--volumes", container], stdout=subprocess.DEVNULL, check=True)
 
 
 def execute(container: str, *command: str) -> subprocess.CompletedProcess[bytes]:
