@@ -1,6 +1,7 @@
 """Quadrics as bytes: arrays in the safetensors format, names in its metadata; nothing in it is ever executed."""
 
 from dataclasses import fields
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -67,7 +68,7 @@ def _metadata(data: bytes) -> dict[str, str]:
 
 def _check_arrays(arrays: dict[str, NDArray[Any]]) -> None:
     """Types and shapes."""
-    n, m, k = len(arrays["shape"]), len(arrays["matrix"]), len(arrays["clip"])
+    n, m, k = (len(np.atleast_1d(arrays[name])) for name in ("shape", "matrix", "clip"))
     sizes = {"n": n, "m": m, "k": k, "n + 1": n + 1}
     for name, (dtype, shape) in _ARRAYS.items():
         wanted = tuple(sizes[size] if isinstance(size, str) else size for size in shape)
@@ -84,8 +85,9 @@ def _check_indexes(quadrics: Quadrics) -> None:
         and (rows < len(quadrics.matrix)).all()
         and starts[0] == 0
         and starts[-1] == len(quadrics.clip)
-        and (np.diff(starts) >= 0).all()
+        and (starts[1:] >= starts[:-1]).all()  # a difference of int32 could wrap
         and all(0 <= kept.start < kept.stop <= len(quadrics) for kept in quadrics.sets)
+        and all(one.stop <= following.start for one, following in pairwise(quadrics.sets))
         and all(0 <= index < len(quadrics) for index in quadrics.name)
     )
     if not right:

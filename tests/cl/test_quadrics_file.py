@@ -1,11 +1,15 @@
 """Quadrics as bytes and back."""
 
 import json
+from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
+from safetensors.numpy import load, save
 
 from conicoid.canonical import quadrics_hash
 from conicoid.document import parse
@@ -63,6 +67,42 @@ def test_damaged_bytes_are_refused_or_lead_nowhere_out_of_their_arrays(data: st.
     assert (quadrics.matrix_row < len(quadrics.matrix)).all()
     assert quadrics.clip_start[-1] == len(quadrics.clip)
     assert all(index < len(quadrics) for index in quadrics.name)
+
+
+def with_array(name: str, array: NDArray[Any]) -> bytes:
+    """A whole file, as the library writes it, with one array in place of its own."""
+    whole = quadrics_bytes(parse(EVERYTHING).resolve().quadrics)
+    size = int.from_bytes(whole[:8], "little")
+    return save(load(whole) | {name: array}, json.loads(whole[8 : 8 + size])["__metadata__"])
+
+
+INT32 = st.one_of(st.integers(-(2**31), 2**31 - 1), st.integers(-1, 3), st.sampled_from([-(2**31), 2**31 - 1]))
+
+
+@given(st.lists(INT32, min_size=2, max_size=2))
+@example([2**31 - 1, -5])  # their difference is positive in int32
+def test_starts_of_clips_that_are_taken_never_decrease(middle: list[int]) -> None:
+    starts = [0, *middle, 2]
+    if starts == sorted(starts):
+        assert quadrics_from(with_array("clip_start", np.array(starts, np.int32))).clip_start.tolist() == starts
+    else:
+        with pytest.raises(QuadricsFileError):
+            quadrics_from(with_array("clip_start", np.array(starts, np.int32)))
+
+
+@pytest.mark.parametrize("name", [one.name for one in fields(Quadrics) if one.name not in ("name", "sets")])
+def test_arrays_with_fewer_or_more_axes_are_refused(name: str) -> None:
+    array = getattr(parse(EVERYTHING).resolve().quadrics, name)
+    for wrong in (array.reshape(-1)[0].reshape(()), array[..., None], array[None]):
+        with pytest.raises(QuadricsFileError):
+            quadrics_from(with_array(name, np.ascontiguousarray(wrong).reshape(wrong.shape)))
+
+
+@pytest.mark.parametrize("sets", [(KeptSet(0, 2), KeptSet(1, 3)), (KeptSet(1, 3), KeptSet(0, 1)), (KeptSet(2, 4),)])
+def test_sets_out_of_order_or_bounds_are_refused(sets: tuple[KeptSet, ...]) -> None:
+    quadrics = replace(parse(EVERYTHING).resolve().quadrics, sets=sets)
+    with pytest.raises(QuadricsFileError):
+        quadrics_from(quadrics_bytes(quadrics))
 
 
 @pytest.mark.parametrize("data", [b"", b"\x00" * 8, b"\xff" * 100, b"\x02\x00\x00\x00\x00\x00\x00\x00{}"])
