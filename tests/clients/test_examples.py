@@ -13,6 +13,7 @@ from tests.checkout import ROOT
 
 EXAMPLES = ROOT / "examples"
 NAMES = ["far", "lysozyme", "orthographic", "shapes"]
+BATCHES = ["turntable"]
 
 
 def document(name: str) -> dict[str, Any]:
@@ -21,10 +22,10 @@ def document(name: str) -> dict[str, Any]:
 
 
 def test_every_example_is_tested() -> None:
-    assert sorted(path.stem for path in EXAMPLES.glob("*.json")) == NAMES
+    assert sorted(path.stem for path in EXAMPLES.glob("*.json")) == NAMES + BATCHES
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", NAMES + BATCHES)
 def test_a_script_writes_its_scene_byte_for_byte(name: str, tmp_path: Path) -> None:
     for path in EXAMPLES.glob(f"{name}.[!j]*"):
         (tmp_path / path.name).write_bytes(path.read_bytes())
@@ -40,6 +41,15 @@ def test_an_example_renders_and_is_seen(name: str, address: str) -> None:
         hits = decode(client.render(scene).exr).hits()
     assert hits is not None
     assert 0.1 < hits.mean() < 0.9
+
+
+def test_turntable_is_seen_from_every_side(address: str) -> None:
+    scene = document("turntable")
+    views = scene.pop("cameras")
+    with Client(address) as client:
+        masks = [decode(client.render({**scene, "camera": view}).exr).hits() for view in views]
+    assert len({mask.tobytes() for mask in masks if mask is not None}) == len(views) == 24
+    assert all(mask is not None and 0.05 < mask.mean() < 0.9 for mask in masks)
 
 
 def test_lysozyme_is_all_atoms_and_bonds() -> None:
