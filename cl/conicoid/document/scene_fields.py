@@ -55,7 +55,9 @@ SCENE: Final = Record(
     required=("conicoid", "camera"),
     choices=(("quadrics",), ("scene",)),
     usual="quadrics",
-    reserved={"cameras": "makes a batch, and this takes one view; give a camera, or submit the batch as a job"},
+    reserved={
+        "cameras": "makes a batch, and this takes one view; give a camera, or submit the batch as a job (POST /v1/jobs)"
+    },
 )
 # A batch: a frame for each camera.
 BATCH: Final = replace(

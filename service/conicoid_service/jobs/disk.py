@@ -4,13 +4,14 @@ import asyncio
 import errno
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import Final, ParamSpec, TypeVar
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, Final, ParamSpec, TypeVar
 
 from sqlalchemy.exc import OperationalError
 
 from conicoid_service.blob import Blob
 from conicoid_service.errors import StorageError, StoreError
+from conicoid_service.images import Image
 from conicoid_service.jobs.database import Database, disk_refuses
 from conicoid_service.jobs.folder import Folder
 from conicoid_service.jobs.holder import Holder
@@ -67,15 +68,17 @@ class Disk:
         Raises:
             StorageError: the disk refuses; the same step may succeed later.
         """
-        working = asyncio.get_running_loop().run_in_executor(self._thread, lambda: step(*args, **kwargs))
+        working = self._thread.submit(step, *args, **kwargs)
         try:
-            result = await working
+            return await asyncio.wrap_future(working)
+        except asyncio.CancelledError:
+            working.add_done_callback(_close_files)  # nobody will
+            raise
         except (OperationalError, OSError) as error:
             self.trouble = _refusal(error)
             if self.trouble is None:
                 raise
             raise StorageError(f"the disk does not take it ({self.trouble}); try again later") from error
-        return result
 
     async def insist(self, step: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Have the thread take a step, however long the disk refuses."""
@@ -109,6 +112,18 @@ class Disk:
         self._thread.shutdown()
         self._database.close()
         self.holder.close()
+
+
+def _close_files(done: "Future[Any]") -> None:
+    """Close the files that a step opened."""
+    if done.cancelled() or done.exception() is not None:
+        return
+    result = done.result()
+    for one in result if isinstance(result, tuple) else (result,):
+        if isinstance(one, Blob):
+            one.close()
+        elif isinstance(one, Image):
+            one.blob.close()
 
 
 def _refusal(error: OperationalError | OSError) -> str | None:

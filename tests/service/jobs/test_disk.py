@@ -1,0 +1,75 @@
+"""The thread that works on the disk, and what it does about a caller who leaves."""
+
+import asyncio
+import errno
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from conicoid_service.blob import Blob
+from conicoid_service.errors import StorageError, StoreError
+from conicoid_service.images import Image
+from conicoid_service.jobs.disk import Disk
+from conicoid_service.settings import Settings
+
+pytestmark = pytest.mark.anyio
+
+
+@pytest.fixture
+def disk(tmp_path: Path) -> Iterator[Disk]:
+    opened = Disk(Settings(data_dir=tmp_path))
+    yield opened
+    opened.close()
+
+
+@pytest.mark.parametrize(
+    "wrap", [lambda blob: blob, lambda blob: (Image(blob, "", 0, 0), "about it")], ids=["alone", "in an image"]
+)
+async def test_file_that_was_opened_for_who_has_left_is_closed(disk: Disk, wrap: object) -> None:
+    blob = Blob()
+
+    def slowly() -> object:
+        time.sleep(0.3)
+        return wrap(blob)  # type: ignore[operator]
+
+    asking = asyncio.create_task(disk.do(slowly))
+    await asyncio.sleep(0.1)
+    asking.cancel()
+    await asyncio.wait({asking})
+    await disk.do(lambda: None)  # after it
+    assert asking.cancelled()
+    assert blob.file.closed
+
+
+async def test_step_that_was_not_begun_is_not_taken_for_who_has_left(disk: Disk) -> None:
+    taken: list[int] = []
+    first = asyncio.create_task(disk.do(time.sleep, 0.3))
+    await asyncio.sleep(0.1)
+    second = asyncio.create_task(disk.do(taken.append, 1))
+    await asyncio.sleep(0)
+    second.cancel()
+    await first
+    await disk.do(lambda: None)
+    assert taken == []
+
+
+async def test_disk_that_refuses_is_told_from_a_defect(disk: Disk) -> None:
+    def refuse(number: int) -> None:
+        raise OSError(number, "No space left on device")
+
+    with pytest.raises(StorageError, match="No space left on device") as refused:
+        await disk.do(refuse, errno.ENOSPC)
+    assert refused.value.retry_after_s
+    assert disk.trouble == "No space left on device"
+    with pytest.raises(OSError, match="No space"):
+        await disk.do(refuse, errno.EBADF)
+    await disk.do(disk.check)
+    assert disk.trouble is None
+
+
+def test_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(StoreError, match="file/store: jobs cannot be kept here"):
+        Disk(Settings(data_dir=tmp_path / "file" / "store"))
