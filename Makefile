@@ -94,7 +94,7 @@ test-package: $(SETUP)
 
 lock: $(SETUP)
 	$(COMPILE) pyproject.toml --extra pocl --extra telemetry --group dev --output-file requirements/dev.txt
-	$(COMPILE) pyproject.toml --constraints requirements/dev.txt --output-file requirements/run.txt
+	$(COMPILE) pyproject.toml --extra telemetry --constraints requirements/dev.txt --output-file requirements/run.txt
 	$(COMPILE) pyproject.toml --extra bench --constraints requirements/dev.txt --output-file requirements/bench.txt
 	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
 	$(COMPILE) --group intel --output-file requirements/intel.txt
