@@ -69,14 +69,11 @@ class ImageShelf:
         logger.error("the stored image %s is damaged; it is rendered again when it is asked for", image.tag)
         self._upkeep.forget(image.tag)
 
-    def make_room(self, limit: int) -> int:
-        """Remove what no job needs until the rest takes `limit` bytes at most; how many images went."""
-        count = 0
+    def make_room(self, limit: int) -> None:
+        """Remove what no job needs until the rest takes `limit` bytes at most."""
         while tags := self._upkeep.evict(limit):
             for tag in tags:
                 self._folder.remove(tag)
-            count += len(tags)
-        return count
 
     def remove_strays(self, older_than_ms: int) -> None:
         """Remove files that the database does not know: their writers died before they could tell it."""

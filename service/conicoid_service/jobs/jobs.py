@@ -21,6 +21,7 @@ from conicoid_service.jobs.painter import Painter
 from conicoid_service.jobs.records import Frame, Job, State
 from conicoid_service.jobs.runner import Runner
 from conicoid_service.jobs.store import NewJob
+from conicoid_service.jobs.upkeep import Counted
 from conicoid_service.pipeline import Pipeline, Timings
 from conicoid_service.settings import Settings
 
@@ -40,7 +41,7 @@ class Jobs:
         self.draining = asyncio.Event()
         self._painter = Painter(disk, pipeline, gallery)
         self._runner = Runner(disk, self._painter, self.bell)
-        self._keeper = Keeper(disk, self.bell, settings.store_limit)
+        self._keeper = Keeper(disk, settings.store_limit)
 
     def start(self) -> None:
         """Begin to render what is in the store."""
@@ -65,9 +66,9 @@ class Jobs:
         """Raises StorageError if the disk does not take a small file."""
         await self._disk.do(self._disk.check)
 
-    async def counts(self) -> dict[str, dict[str, float]]:
+    async def counts(self, what: Counted) -> dict[str, float]:
         """As `Upkeep.counts`."""
-        return await self._disk.do(self._disk.upkeep.counts)
+        return await self._disk.do(self._disk.upkeep.counts, what)
 
     @property
     def frames_ended(self) -> Counter[str]:

@@ -5,12 +5,12 @@ import logging
 from typing import Final
 
 from conicoid_service.errors import StorageError
-from conicoid_service.jobs.bell import Bell
 from conicoid_service.jobs.clock import now_ms
 from conicoid_service.jobs.disk import Disk
 
 RECLAIM_S: Final = 2.0
 EVICT_S: Final = 10.0
+SWEEP_S: Final = 600.0
 # Files without an entry in the database may belong to a server that is about to make it.
 _STRAY_MS: Final = 3_600_000
 
@@ -20,8 +20,8 @@ logger = logging.getLogger(__name__)
 class Keeper:
     """Takes up what other servers left, ends what is over, makes room; for one event loop."""
 
-    def __init__(self, disk: Disk, bell: Bell, store_limit: int) -> None:
-        self._disk, self._bell, self._store_limit = disk, bell, store_limit
+    def __init__(self, disk: Disk, store_limit: int) -> None:
+        self._disk, self._store_limit = disk, store_limit
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
@@ -41,6 +41,8 @@ class Keeper:
                 await self._reclaim()
                 if rounds % round(EVICT_S / RECLAIM_S) == 0:
                     await self._tidy()
+                if rounds % round(SWEEP_S / RECLAIM_S) == 0:
+                    await self._sweep()
             except StorageError as error:
                 logger.warning("%s", error)
             except Exception:  # a defect here must not leave the store to itself
@@ -58,12 +60,16 @@ class Keeper:
 
     async def _tidy(self) -> None:
         """End what is over and make room."""
-        disk, now = self._disk, now_ms()
-        await disk.do(disk.upkeep.expire, now)
+        disk = self._disk
+        await disk.do(disk.upkeep.expire, now_ms())
         # On a full disk images that nobody needs make room for those that somebody does.
         await disk.do(disk.shelf.make_room, 0 if disk.trouble else self._store_limit)
-        await disk.do(disk.shelf.remove_strays, now - _STRAY_MS)
-        await disk.do(disk.remove_quadrics, now - _STRAY_MS)
-        for folder in (disk.images, disk.quadrics):
-            await disk.do(folder.sweep, now - _STRAY_MS)
         await disk.do(disk.check)
+
+    async def _sweep(self) -> None:
+        """Remove files that nothing leads to, which takes a look at all of them."""
+        disk, older_than_ms = self._disk, now_ms() - _STRAY_MS
+        await disk.do(disk.shelf.remove_strays, older_than_ms)
+        await disk.do(disk.remove_quadrics, older_than_ms)
+        for folder in (disk.images, disk.quadrics):
+            await disk.do(folder.sweep, older_than_ms)

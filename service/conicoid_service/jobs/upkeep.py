@@ -1,13 +1,15 @@
 """What is given up: jobs whose time is over, images that nobody needs and for which there is no room, stray files."""
 
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from sqlalchemy import Connection, delete, exists, func, select, update
 
 from conicoid_service.jobs.database import Database
 from conicoid_service.jobs.records import STATES, StoredImage
-from conicoid_service.jobs.tables import frames, images, jobs
+from conicoid_service.jobs.tables import frames, images, jobs, metadata
 from conicoid_service.jobs.work import remember
+
+Counted = Literal["jobs", "frames", "bytes"]
 
 _AT_ONCE: Final = 100
 _TOLERANCE_MS: Final = 60_000  # a write to the disk is saved for each use within it
@@ -72,14 +74,14 @@ class Upkeep:
         with self._database.reading() as connection:
             return _bytes(connection, _NEEDED)
 
-    def counts(self) -> dict[str, dict[str, float]]:
-        """Jobs and frames by state, and bytes of all images."""
+    def counts(self, what: Counted) -> dict[str, float]:
+        """Jobs or frames by state, or, by "", bytes of all images."""
         with self._database.reading() as connection:
-            found = {"bytes": {"": float(_bytes(connection))}}
-            for table in (jobs, frames):
-                rows = connection.execute(select(table.c.state, func.count()).group_by(table.c.state))
-                found[table.name] = dict.fromkeys(STATES, 0.0) | {state: float(count) for state, count in rows}
-            return found
+            if what == "bytes":
+                return {"": float(_bytes(connection))}
+            state = metadata.tables[what].c.state
+            rows = connection.execute(select(state, func.count()).group_by(state))
+            return dict.fromkeys(STATES, 0.0) | {name: float(count) for name, count in rows}
 
     def known_tags(self) -> set[str]:
         """The tags of all images."""

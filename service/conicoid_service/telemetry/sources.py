@@ -30,8 +30,8 @@ def watch(readers: Readers, state: State) -> None:
     readers.watch("conicoid_frames_ended", lambda: state.jobs.frames_ended if state.jobs else {})
 
     async def counted(what: str) -> Readings:
-        counts: Mapping[str, Readings] = await state.jobs.counts() if state.jobs else {}
-        return counts.get(what, {})
+        counts: Readings = await state.jobs.counts(what) if state.jobs else {}
+        return counts
 
     readers.watch("conicoid_jobs", lambda: counted("jobs"))
     readers.watch("conicoid_frames", lambda: counted("frames"))

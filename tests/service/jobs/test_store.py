@@ -2,10 +2,12 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from conicoid_service.errors import IdempotencyKeyError, JobLimitError, UnknownJobError
+from conicoid_service.jobs.upkeep import Counted
 from tests.service.jobs.stores import LIFETIME_MS, Store, image, new_job, opened
 
 
@@ -171,7 +173,7 @@ def test_states_are_counted(store: Store) -> None:
     store.submit(3)
     store.work.finish(store.take(), image(), 1)
     store.take()
-    counts = store.upkeep.counts()
+    counts = {what: store.upkeep.counts(what) for what in get_args(Counted)}
     assert {state: count for state, count in counts["jobs"].items() if count} == {"cancelled": 1, "running": 1}
     assert counts["frames"] == {"queued": 1, "running": 1, "succeeded": 1, "failed": 0, "cancelled": 3}
     assert counts["bytes"] == {"": 10}
@@ -197,6 +199,6 @@ def test_room_is_made_by_what_no_job_needs_and_was_used_longest_ago(store: Store
     assert store.upkeep.evict(120) == ["free 1", "free 2"]
     assert store.upkeep.evict(0) == ["free 3", "free 0"]
     assert store.upkeep.evict(0) == []
-    assert (store.upkeep.counts()["bytes"], store.upkeep.needed_bytes()) == ({"": 100}, 100)
+    assert (store.upkeep.counts("bytes"), store.upkeep.needed_bytes()) == ({"": 100}, 100)
     store.upkeep.expire(10**12)
     assert store.upkeep.evict(0) == ["needed"]
