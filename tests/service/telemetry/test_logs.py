@@ -2,7 +2,7 @@
 
 import json
 import logging
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,6 @@ from tests.service.conftest import FAKE, SCENE, named, serving
 pytestmark = pytest.mark.anyio
 
 NAME = "conicoid_service.test"
-
-
-@pytest.fixture
-async def client(tmp_path: Path, search_path: None, anyio_backend: str) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
-    async with serving(Settings(data_dir=tmp_path), FAKE) as served:
-        yield served
 
 
 @pytest.fixture

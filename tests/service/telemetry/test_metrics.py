@@ -1,7 +1,6 @@
 """Every request moves exactly the counters that are about it, and no client can make a label's value."""
 
 import asyncio
-from collections.abc import AsyncIterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,12 +15,6 @@ from tests.service.telemetry.scraped import sample, scraped
 pytestmark = pytest.mark.anyio
 
 RENDER = "/v1/render"
-
-
-@pytest.fixture
-async def client(tmp_path: Path, search_path: None, anyio_backend: str) -> AsyncIterator[httpx.AsyncClient]:  # noqa: ARG001
-    async with serving(Settings(data_dir=tmp_path), FAKE) as served:
-        yield served
 
 
 async def test_a_render_is_counted_with_its_stages_pixels_and_bytes(client: httpx.AsyncClient) -> None:
