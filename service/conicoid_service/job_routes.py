@@ -61,10 +61,10 @@ async def list_jobs(
 ) -> dict[str, Any]:
     """The jobs of this key, newest first; `next` is where the rest is."""
     found = await jobs_of(request).page(owner_of(request), limit + 1, after, state)
-    more = (
-        {"limit": limit, "after": found[limit - 1].id} | ({"state": state} if state else {}) if found[limit:] else None
-    )
-    following = None if more is None else f"/v1/jobs?{urlencode(more)}"
+    following = None
+    if found[limit:]:
+        same = {"state": state} if state else {}
+        following = f"/v1/jobs?{urlencode({'limit': limit, 'after': found[limit - 1].id} | same)}"
     return {"jobs": [job_document(job) for job in found[:limit]], "next": following}
 
 

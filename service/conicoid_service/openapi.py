@@ -16,17 +16,21 @@ EXR_CONTENT: Final = {EXR_TYPE: {"schema": {"type": "string", "format": "binary"
 SCENE: Final = {"$ref": "#/components/schemas/Scene"}
 TIMING: Final = {"description": "milliseconds per stage", "schema": {"type": "string"}}
 _PROBLEM: Final = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+
+
+def _of_scene(*keys: str) -> dict[str, Any]:
+    """Properties that are those of the scene document."""
+    return {key: {"$ref": f"#/components/schemas/Scene/properties/{key}"} for key in keys}
+
+
 BATCH: Final = {
     "type": "object",
     "description": "a scene document with a list of cameras in place of one",
     "required": ["conicoid", "cameras"],
     "additionalProperties": False,
     "properties": {
-        **{
-            key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
-            for key in ("conicoid", "quadrics", "scene", "output")
-        },
-        "cameras": {"type": "array", "minItems": 1, "items": {"$ref": "#/components/schemas/Scene/properties/camera"}},
+        **_of_scene("conicoid", "quadrics", "scene", "output"),
+        "cameras": {"type": "array", "minItems": 1, "items": _of_scene("camera")["camera"]},
     },
     "oneOf": [
         {"required": ["quadrics"], "not": {"required": ["scene"]}},
@@ -38,10 +42,7 @@ _QUADRICS: Final = {
     "description": "a scene document of which only the quadrics count",
     "required": ["conicoid", "quadrics"],
     "additionalProperties": False,
-    "properties": {
-        key: {"$ref": f"#/components/schemas/Scene/properties/{key}"}
-        for key in ("conicoid", "quadrics", "camera", "output")
-    },
+    "properties": _of_scene("conicoid", "quadrics", "camera", "output"),
 }
 _KEPT: Final = {
     "type": "object",

@@ -160,24 +160,14 @@ class Pipeline:
             UnknownSceneError: it names quadrics that are not kept.
         """
         answer = await self._ask("read", body)
-        view, *own = answer.blobs
-        hashes = answer.message["scene_hash"], answer.message["quadrics_hash"]
-        try:
-            quadrics = own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
-        except UnknownSceneError:
-            view.close()
-            raise
-        return ReadScene(view, quadrics, not own, *hashes, self._timings("document", answer))
+        view, quadrics = self._parts(answer)
+        kept, hashes = "scene" in answer.message, (answer.message["scene_hash"], answer.message["quadrics_hash"])
+        return ReadScene(view, quadrics, kept, *hashes, self._timings("document", answer))
 
     async def read_batch(self, body: Body) -> ReadBatch:
         """Read a document with `camera` or `cameras`; otherwise as `read`."""
         answer = await self._ask("batch", body)
-        views, *own = answer.blobs
-        try:
-            quadrics = own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
-        except UnknownSceneError:
-            views.close()
-            raise
+        views, quadrics = self._parts(answer)
         message = answer.message
         timings = self._timings("document", answer)
         return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], timings)
@@ -193,6 +183,15 @@ class Pipeline:
     async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
         message = {"do": do, "limits": self._limits, "boundary": body.boundary}
         return await self._documents.call(message | context.ids(), [body.blob, *kept])
+
+    def _parts(self, answer: Answer) -> tuple[Blob, Blob]:
+        """What a document shows, and its quadrics: its own, or the kept ones that it names."""
+        shown, *own = answer.blobs
+        try:
+            return shown, own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
+        except UnknownSceneError:
+            shown.close()
+            raise
 
     def _timings(self, process: str, answer: Answer) -> Timings:
         timings = {"queue": answer.queue_ms, **answer.message["timings_ms"]}

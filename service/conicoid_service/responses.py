@@ -5,6 +5,7 @@ from starlette.types import Receive, Scope, Send
 
 from conicoid_service.blob import Blob
 from conicoid_service.pipeline import Timings
+from conicoid_service.telemetry.context import added_up
 
 EXR_TYPE = "image/x-exr"
 
@@ -28,8 +29,4 @@ class BlobResponse(Response):
 
 def server_timing(*parts: Timings) -> str:
     """The `Server-Timing` header: milliseconds per stage, those of the same name in several processes added up."""
-    stages: dict[str, float] = {}
-    for part in parts:
-        for stage, duration_ms in part.items():
-            stages[stage] = stages.get(stage, 0.0) + duration_ms
-    return ", ".join(f"{stage};dur={duration_ms:.3f}" for stage, duration_ms in stages.items())
+    return ", ".join(f"{stage};dur={duration_ms:.3f}" for stage, duration_ms in added_up(parts).items())

@@ -5,9 +5,9 @@ import secrets
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Final
+from typing import Final
 
-from conicoid_service.blob import CHUNK, Blob
+from conicoid_service.blob import Blob
 
 _TEMPORARY: Final = "incoming"
 
@@ -35,9 +35,9 @@ class Folder:
         place = self._place(name)
         temporary = self._incoming / f"{name}.{secrets.token_hex(8)}"
         try:
-            with temporary.open("xb", buffering=0) as file:
-                for chunk in blob.chunks(CHUNK):
-                    _write_all(file, chunk)
+            with Blob(os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)) as file:
+                for chunk in blob.chunks():
+                    file.append(chunk)
                 os.fsync(file.fileno())
             place.parent.mkdir(exist_ok=True)
             temporary.rename(place)
@@ -85,12 +85,6 @@ def _older(folder: Path, than_ms: int) -> Iterator[Path]:
         with suppress(FileNotFoundError):  # it is gone meanwhile
             if file.stat().st_mtime_ns < than_ms * 1_000_000:
                 yield file
-
-
-def _write_all(file: IO[bytes], chunk: bytes) -> None:
-    view = memoryview(chunk)
-    while view:
-        view = view[file.write(view) :]
 
 
 def _sync_folder(path: Path) -> None:

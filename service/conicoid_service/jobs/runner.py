@@ -99,9 +99,8 @@ class Runner:
         except ServiceError as error:
             await self._failed(claim, error)
         except Exception:
-            self.ended["failed"] += 1
             logger.exception("a frame met a defect", extra=_about(claim))
-            await self._disk.insist(work.fail, claim, "internal", DEFECT, now_ms())
+            await self._fail(claim, "internal", DEFECT)
         else:
             await self._disk.insist(work.finish, claim, image, now_ms())
             self.ended["succeeded"] += 1
@@ -125,9 +124,12 @@ class Runner:
         elif code == "render-crashed" and claim.attempts < MOST_ATTEMPTS:
             await self._disk.insist(work.release, claim, not_before_ms=now_ms(), counts=True)
         else:
-            self.ended["failed"] += 1
             logger.warning("frame failed: %s", error, extra=_about(claim))
-            await self._disk.insist(work.fail, claim, code, str(error), now_ms())
+            await self._fail(claim, code, str(error))
+
+    async def _fail(self, claim: Claim, code: str, detail: str) -> None:
+        self.ended["failed"] += 1
+        await self._disk.insist(self._disk.work.fail, claim, code, detail, now_ms())
 
 
 def _about(claim: Claim) -> dict[str, object]:

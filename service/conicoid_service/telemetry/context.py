@@ -1,7 +1,7 @@
 """What is going on in this task or thread: ids for the log, and notes for the one line about a request."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -38,6 +38,15 @@ class Notes:
     code: str = ""
     image: str = ""
     steps: list[Step] = field(default_factory=list)
+
+
+def added_up(parts: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    """Durations by stage, those of the same name in several processes added up."""
+    stages: dict[str, float] = {}
+    for part in parts:
+        for stage, duration in part.items():
+            stages[stage] = stages.get(stage, 0.0) + duration
+    return stages
 
 
 _notes: Final[ContextVar[Notes | None]] = ContextVar("notes", default=None)

@@ -9,7 +9,7 @@ from typing import Any, Final
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from conicoid_service.telemetry.context import Notes, request_id, take_notes
+from conicoid_service.telemetry.context import Notes, added_up, request_id, take_notes
 from conicoid_service.telemetry.metrics import Ended, Metrics
 from conicoid_service.telemetry.traces import Traces
 
@@ -106,11 +106,8 @@ def _log(scope: Scope, ended: Ended, notes: Notes) -> None:
     owner = scope.get("state", {}).get("owner", "")
     fields |= {name: text for name, text in (("owner", owner), ("code", notes.code), ("image", notes.image)) if text}
     if notes.steps:
-        stages: dict[str, float] = {}
-        for step in notes.steps:
-            for stage, duration_ms in step.stages.items():
-                stages[stage] = round(stages.get(stage, 0.0) + duration_ms, 3)
-        fields["stages_ms"] = stages
+        stages = added_up(step.stages for step in notes.steps)
+        fields["stages_ms"] = {stage: round(duration_ms, 3) for stage, duration_ms in stages.items()}
     quiet = ended.route in _PROBES and ended.status < 400
     level = logging.DEBUG if quiet else logging.WARNING if ended.status >= 500 else logging.INFO
     logger.log(level, "request", extra=fields)
