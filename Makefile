@@ -93,8 +93,8 @@ test-package: $(SETUP)
 	.venv/bin/pytest tests/container
 
 lock: $(SETUP)
-	$(COMPILE) pyproject.toml --extra pocl --extra telemetry --group dev --output-file requirements/dev.txt
-	$(COMPILE) pyproject.toml --extra telemetry --constraints requirements/dev.txt --output-file requirements/run.txt
+	$(COMPILE) pyproject.toml --extra farm --extra pocl --extra telemetry --group dev --output-file requirements/dev.txt
+	$(COMPILE) pyproject.toml --extra farm --extra telemetry --constraints requirements/dev.txt --output-file requirements/run.txt
 	$(COMPILE) pyproject.toml --extra bench --constraints requirements/dev.txt --output-file requirements/bench.txt
 	$(COMPILE) --group build --constraints requirements/dev.txt --output-file requirements/build.txt
 	$(COMPILE) --group intel --output-file requirements/intel.txt
