@@ -29,7 +29,7 @@ from conicoid_service.settings import Settings
 from conicoid_service.telemetry.observe import observe
 
 if TYPE_CHECKING:
-    from conicoid_service.jobs.disk import Disk
+    from conicoid_service.jobs.storage import Storage
 
 ROUTERS = (probes.router, routes.router, job_routes.router, docs_page.router)
 DESCRIPTION = "Exact batch ray-casting of quadrics: scene documents in, OpenEXR depth and normals out."
@@ -39,7 +39,7 @@ def create_app(
     settings: Settings | None = None,
     pipeline: Pipeline | None = None,
     *,
-    disk: "Disk | None" = None,
+    storage: "Storage | None" = None,
     keeps_jobs: bool = True,
 ) -> FastAPI:
     """The application; its lifespan starts and ends the child processes.
@@ -47,7 +47,7 @@ def create_app(
     Args:
         settings: None reads them from the environment.
         pipeline: of the same settings, perhaps started already; None makes one.
-        disk: the job store, opened; None opens it when the lifespan begins.
+        storage: the job store, opened; None opens it when the lifespan begins.
         keeps_jobs: whether there is a job store at all.
     Raises:
         SettingsError: the environment's settings are unusable.
@@ -64,7 +64,7 @@ def create_app(
         running.start()
         try:
             if keeps_jobs:
-                await _keep_jobs(app, disk)
+                await _keep_jobs(app, storage)
             yield
         finally:
             if app.state.jobs is not None:
@@ -100,14 +100,14 @@ def create_app(
     return app
 
 
-async def _keep_jobs(app: FastAPI, disk: "Disk | None") -> None:
+async def _keep_jobs(app: FastAPI, storage: "Storage | None") -> None:
     """Begin to render what is in the job store."""
     # What it needs takes as long to load as a short render.
-    from conicoid_service.jobs.disk import Disk
+    from conicoid_service.jobs.storage import Storage
     from conicoid_service.jobs.jobs import Jobs
 
     state = app.state
-    opened = disk if disk is not None else await asyncio.to_thread(Disk, state.settings)
+    opened = storage if storage is not None else await asyncio.to_thread(Storage, state.settings)
     state.jobs = Jobs(state.settings, opened, state.pipeline, state.gallery)
     state.gallery.shelf = state.jobs
     state.jobs.start()

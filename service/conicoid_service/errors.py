@@ -196,6 +196,12 @@ class StoreError(ServiceError):
     code = "store"
 
 
+class BrokerError(ServiceError):
+    """A farm's broker cannot be reached, for now; never sent over HTTP: jobs are accepted all the same."""
+
+    code = "broker"
+
+
 class SettingsError(ServiceError):
     """A setting in the environment or the file is not usable; raised at start, never sent over HTTP."""
 

@@ -106,12 +106,13 @@ class Pipeline:
         renders = Kind("render", commands.render, _configuration(settings), *deadlines, settings.render_recycle_after)
         self._renders = pool(renders, processes=settings.render_processes)
 
-    def start(self) -> None:
-        """Start both children in the background, if they are not started already.
+    def start(self, *, documents: bool = True) -> None:
+        """Start the children in the background, if they are not started already; without `documents`, one of them.
 
         They load what they need while the caller loads an HTTP server or client: nothing here needs one.
         """
-        self._documents.start()
+        if documents:
+            self._documents.start()
         self._renders.start()
 
     async def stop(self) -> None:

@@ -15,6 +15,8 @@ from conicoid_service.errors import ReportedError
 
 GRACE_S = 2.0
 _STDERR = 2
+# Keys of object stores, which no child needs.
+_SECRET = re.compile("AWS_|AZURE_|GOOGLE_")
 
 
 class ProcessLostError(Exception):
@@ -56,6 +58,7 @@ class Process:
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=_STDERR,
+                env={name: value for name, value in os.environ.items() if not _SECRET.match(name)},
                 start_new_session=True,
             )
             on_error.pop_all()

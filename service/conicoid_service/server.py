@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 from conicoid_service.errors import SettingsError, StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
-from conicoid_service.settings import Settings, variable
+from conicoid_service.settings import SECRETS, Settings, variable
 from conicoid_service.telemetry.logs import LOG_FORMAT, configure
 
 if TYPE_CHECKING:
@@ -53,16 +53,17 @@ def serve(
     keep_freed_memory()
     os.environ[LOG_FORMAT] = settings.log_format
     configure(settings.log_format, log_level)
-    os.environ.pop(variable("api_keys"), None)  # no child needs it
+    for name in SECRETS:
+        os.environ.pop(variable(name), None)  # no child needs it
     _allow_descriptors(settings.connection_limit + _OWN_DESCRIPTORS)
     pipeline = Pipeline(settings)
     pipeline.start()
     # Loading these takes as long as starting the children, which goes on meanwhile.
     from conicoid_service.app import create_app
-    from conicoid_service.jobs.disk import Disk
+    from conicoid_service.jobs.storage import Storage
 
     try:
-        app = create_app(settings, pipeline, disk=Disk(settings))
+        app = create_app(settings, pipeline, storage=Storage(settings))
     except (StoreError, SettingsError):
         asyncio.run(pipeline.stop())
         raise

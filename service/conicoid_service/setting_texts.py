@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
+from urllib.parse import urlsplit
 
 from conicoid_service.errors import SettingsError
 from conicoid_service.telemetry.logs import FORMATS
@@ -80,6 +81,42 @@ def log_format(text: str) -> str:
     """
     if text not in FORMATS:
         raise ValueError(f"{_shown(text)} is not {' or '.join(FORMATS)}")
+    return text
+
+
+def database_url(text: str) -> str:
+    """The URL of a PostgreSQL database.
+
+    Raises:
+        ValueError: it is none; the message has no password.
+    """
+    return _url(text, "PostgreSQL database", {"postgresql": "postgresql://user:password@host/name"})
+
+
+def broker_url(text: str) -> str:
+    """The URL of a RabbitMQ virtual host.
+
+    Raises:
+        ValueError: it is none; the message has no password.
+    """
+    example = "amqp://user:password@host/name"
+    return _url(text, "RabbitMQ server", {"amqp": example, "amqps": example})
+
+
+def object_store(text: str) -> str:
+    """The URL of a bucket or a directory.
+
+    Raises:
+        ValueError: it is none.
+    """
+    example = "s3://bucket/prefix or file:///directory"
+    return _url(text, "object store", dict.fromkeys(("s3", "gs", "az", "file"), example))
+
+
+def _url(text: str, kind: str, schemes: Mapping[str, str]) -> str:
+    parts = urlsplit(text)
+    if parts.scheme not in schemes or not (parts.path if parts.scheme == "file" else parts.netloc):
+        raise ValueError(f"the value is no URL of a {kind}; write one like {next(iter(schemes.values()))}")
     return text
 
 

@@ -4,11 +4,20 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from conicoid_service.access.keys import Keys
 from conicoid_service.errors import SettingsError
-from conicoid_service.setting_texts import log_format, parse_origins, read_file, text_of, value_of
+from conicoid_service.setting_texts import (
+    broker_url,
+    database_url,
+    log_format,
+    object_store,
+    parse_origins,
+    read_file,
+    text_of,
+    value_of,
+)
 
 CONFIG = "CONICOID_CONFIG"
 
@@ -66,6 +75,27 @@ class Settings:
         default=60.0, metadata=_about(float, "seconds in which an answer stands still", 0.001)
     )
 
+    database_url: str = field(
+        default="", metadata=_about(database_url, "PostgreSQL database of a farm's jobs", secret=True)
+    )
+    broker_url: str = field(default="", metadata=_about(broker_url, "RabbitMQ of a farm", secret=True))
+    object_store: str = field(default="", metadata=_about(object_store, "bucket or directory of a farm's files"))
+    download_redirect_s: float = field(default=0.0, metadata=_about(float, "seconds that links to images are good", 0))
+    band_pixels: int = field(default=2**24, metadata=_about(int, "pixels of a frame rendered at a time in a job", 1))
+    worker_port: int = field(default=0, metadata=_about(int, "port of a worker's probes and metrics; 0 is none", 0))
+
+    def __post_init__(self) -> None:
+        """Raise SettingsError where settings do not go together."""
+        given = {variable(name): bool(getattr(self, name)) for name in ("database_url", "broker_url", "object_store")}
+        if any(given.values()) and not all(given.values()):
+            missing = ", ".join(name for name, is_given in given.items() if not is_given)
+            raise SettingsError(f"{missing}: not set, and a farm needs all of {', '.join(given)}; set all or none")
+
+    @property
+    def farm(self) -> bool:
+        """Whether jobs are rendered by workers elsewhere."""
+        return bool(self.broker_url)
+
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ, file: str | None = None) -> Self:
         """The defaults; what a file says instead; what the environment says instead of either.
@@ -90,6 +120,9 @@ class Settings:
                 text = text_of(place, written[name], about["kind"], about["secret"])
                 values[name] = value_of(place, text, **about)
         return cls(**values)
+
+
+SECRETS: Final = tuple(one.name for one in fields(Settings) if one.metadata["secret"])
 
 
 def variable(name: str) -> str:

@@ -1,51 +1,67 @@
-"""The database of the job store: opened, brought up to date, used by one thread."""
+"""The database of the job store: opened, brought up to date, used in transactions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from sqlalchemy import URL, Connection, create_engine, event, inspect
-from sqlalchemy.exc import DatabaseError, OperationalError
+from sqlalchemy import URL, Connection, Engine, Table, create_engine, event, func, inspect, make_url, select
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.exc import DatabaseError, DBAPIError, InterfaceError, OperationalError
 
 from conicoid_service.errors import StoreError
 
-HEAD: Final = "0001"  # of `migrations/versions`
+HEAD: Final = "0002"  # of `migrations/versions`
 _WAIT_S: Final = 30.0  # for another server that writes
+# A server that does not answer, or has gone with its network, is given up within half a minute.
+_POSTGRESQL: Final[Mapping[str, Any]] = {
+    "connect_timeout": 5,
+    "keepalives_idle": 5,
+    "keepalives_interval": 2,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 15_000,
+    "options": f"-c lock_timeout={_WAIT_S:.0f}s -c idle_in_transaction_session_timeout=60s -c tcp_keepalives_idle=5"
+    " -c tcp_keepalives_interval=2 -c tcp_keepalives_count=3 -c tcp_user_timeout=15000",
+    "application_name": "conicoid",
+}
+_MIGRATING: Final = 0x636F6E69  # advisory lock of whoever changes the schema
 
 
 class Database:
-    """A SQLite file in WAL mode, through SQLAlchemy; several servers may share it.
+    """A SQLite file in WAL mode or a PostgreSQL database, through SQLAlchemy; several servers may share it.
 
     Args:
-        path: the file, made if it is not there.
+        place: the file, made if it is not there; or a `postgresql://` URL.
+        migrate: whether to bring the tables up to date; a worker leaves that to the API.
     Raises:
         StoreError: it cannot be opened, is no database, or was written by a newer version.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self._engine = create_engine(URL.create("sqlite", database=str(path)), connect_args={"timeout": _WAIT_S})
-        event.listen(self._engine, "connect", _on_connect)
-        event.listen(self._engine, "begin", _on_begin)
+    def __init__(self, place: Path | str, *, migrate: bool = True) -> None:
+        self.shared = isinstance(place, str)
+        self._engine = _postgresql(place) if isinstance(place, str) else _sqlite(place)
+        shown = self._engine.url.render_as_string(hide_password=True) if self.shared else str(place)
         try:
-            if self._revision() != HEAD:
+            if migrate and self._revision() != HEAD:
                 from conicoid_service.jobs.migrations import upgrade  # loads Alembic, which a newest store needs not
 
                 with self.writing() as connection:
+                    if self.shared:
+                        connection.execute(select(func.pg_advisory_xact_lock(_MIGRATING)))
                     upgrade(connection)
         except StoreError as error:
             self.close()
-            raise StoreError(f"{path}: {error}") from None
-        except (DatabaseError, OSError) as error:
+            raise StoreError(f"{shown}: {error}") from None
+        except (DatabaseError, InterfaceError, OSError) as error:
             self.close()
-            reason = getattr(error, "orig", None) or error
+            reason = " ".join(str(getattr(error, "orig", None) or error).split())
+            setting = "database_url" if self.shared else "data_dir"
             raise StoreError(
-                f"{path}: the job store cannot be opened ({reason}); see `data_dir` in the settings"
+                f"{shown}: the job store cannot be opened ({reason}); see `{setting}` in the settings"
             ) from None
 
     def _revision(self) -> str | None:
-        """Alembic's name of the schema that the file has."""
+        """Alembic's name of the schema that the database has."""
         with self.reading() as connection:
             if not inspect(connection).has_table("alembic_version"):
                 return None
@@ -53,7 +69,7 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Connection]:
-        """A transaction that sees one state of the database."""
+        """A transaction that reads; in SQLite, one state of the database."""
         with self._engine.connect() as connection, connection.begin():
             yield connection
 
@@ -62,20 +78,52 @@ class Database:
         """A transaction that is on the disk when it ends, or undone if an exception leaves it.
 
         Raises:
-            OperationalError: the disk is full or not writable, or another server kept the file locked for too long.
+            OperationalError, InterfaceError: see `refuses`.
         """
         with self._engine.connect().execution_options(writes=True) as connection, connection.begin():
             yield connection
+
+    def session(self) -> Connection:
+        """A connection outside of transactions, which the caller closes."""
+        return self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
 
     def close(self) -> None:
         """Close every connection."""
         self._engine.dispose()
 
 
-def disk_refuses(error: OperationalError) -> bool:
-    """Whether an error is the disk's or another server's, so that the same may succeed later."""
+def refuses(error: DBAPIError) -> bool:
+    """Whether an error is the disk's, the server's or the network's, so that the same may succeed later."""
+    if hasattr(error.orig, "sqlstate"):  # psycopg's
+        return isinstance(error, OperationalError | InterfaceError) or error.connection_invalidated
     code = getattr(error.orig, "sqlite_errorname", "")
     return code.startswith(("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_BUSY", "SQLITE_READONLY", "SQLITE_CANTOPEN"))
+
+
+def alone(connection: Connection, what: str) -> None:
+    """Let nobody else do this to the database until the transaction ends; in SQLite a writer is alone anyway."""
+    if connection.dialect.name == "postgresql":
+        connection.execute(select(func.pg_advisory_xact_lock(func.hashtext(what))))
+
+
+def upsert(connection: Connection, table: Table, row: Mapping[str, Any]) -> None:
+    """Put a row in, in place of one with the same primary key."""
+    insert = postgresql.insert if connection.dialect.name == "postgresql" else sqlite.insert
+    key = [column.name for column in table.primary_key]
+    rest = {name: value for name, value in row.items() if name not in key}
+    connection.execute(insert(table).values(row).on_conflict_do_update(index_elements=key, set_=rest))
+
+
+def _sqlite(path: Path) -> Engine:
+    engine = create_engine(URL.create("sqlite", database=str(path)), connect_args={"timeout": _WAIT_S})
+    event.listen(engine, "connect", _on_connect)
+    event.listen(engine, "begin", _on_begin)
+    return engine
+
+
+def _postgresql(url: str) -> Engine:
+    driver = make_url(url).set(drivername="postgresql+psycopg")
+    return create_engine(driver, connect_args=dict(_POSTGRESQL), pool_pre_ping=True, pool_size=4, max_overflow=12)
 
 
 def _on_connect(connection: Any, _: Any) -> None:

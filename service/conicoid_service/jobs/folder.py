@@ -58,7 +58,7 @@ class Folder:
         self._place(name).unlink(missing_ok=True)
 
     def touch(self, name: str) -> bool:
-        """Make a file as young as if it were written now; whether it is there."""
+        """Make a file as young as if it were written now, so that no sweep takes it; whether it is there."""
         try:
             os.utime(self._place(name))
         except FileNotFoundError:
@@ -75,6 +75,10 @@ class Folder:
         """Remove what dead writers left half written."""
         for file in _older(self._incoming, older_than_ms):
             file.unlink(missing_ok=True)
+
+    def link(self, name: str, seconds: float) -> str | None:  # noqa: ARG002
+        """None: a directory is nobody's to read but the service's."""
+        return None
 
     def _place(self, name: str) -> Path:
         return self._path / name[:2] / name

@@ -1,7 +1,9 @@
 """Which servers of a store live: each holds a lock while it does."""
 
 import fcntl
+import os
 import secrets
+import socket
 from pathlib import Path
 
 
@@ -37,3 +39,13 @@ class Holder:
         """Give the lock up."""
         (self._path / self.name).unlink(missing_ok=True)
         self._lock.close()
+
+
+class Named:
+    """A name alone, for servers on many machines: they say in the database that they live (`Work.renew`)."""
+
+    def __init__(self) -> None:
+        self.name = f"{socket.gethostname()[:12]}-{os.getpid()}-{secrets.token_hex(3)}"[:32]
+
+    def close(self) -> None:
+        """Nothing is held."""

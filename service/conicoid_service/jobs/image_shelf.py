@@ -2,12 +2,16 @@
 
 import hashlib
 import logging
+from itertools import islice
+from typing import Final
 
 from conicoid_service.blob import Blob
 from conicoid_service.images import Image
-from conicoid_service.jobs.folder import Folder
+from conicoid_service.jobs.files import Files
 from conicoid_service.jobs.records import StoredImage
 from conicoid_service.jobs.upkeep import Upkeep
+
+_AT_ONCE: Final = 1000
 
 logger = logging.getLogger(__name__)
 
@@ -26,10 +30,10 @@ def sha256_of(blob: Blob) -> str:
 
 
 class ImageShelf:
-    """A folder of images and what the database knows of them; for one thread at a time."""
+    """The files of images and what the database knows of them."""
 
-    def __init__(self, folder: Folder, upkeep: Upkeep) -> None:
-        self._folder, self._upkeep = folder, upkeep
+    def __init__(self, files: Files, upkeep: Upkeep) -> None:
+        self._files, self._upkeep = files, upkeep
 
     def put(self, tag: str, image: Image) -> StoredImage:
         """Write an image to the disk, where it stays; the database is told by the caller.
@@ -38,7 +42,7 @@ class ImageShelf:
             OSError: the disk does not take it.
         """
         name = name_of(tag)
-        self._folder.write(name, image.blob)
+        self._files.write(name, image.blob)
         about = image.scene_hash, image.refined, image.settled
         return StoredImage(name, len(image.blob), sha256_of(image.blob), *about)
 
@@ -56,7 +60,7 @@ class ImageShelf:
         known = self._upkeep.image(name_of(tag), now_ms)
         if known is None:
             return None
-        blob = self._folder.open(known.tag)
+        blob = self._files.open(known.tag)
         if blob is not None and len(blob) == known.bytes:
             return Image(blob, known.scene_hash, known.refined, known.settled), known
         if blob is not None:
@@ -73,11 +77,11 @@ class ImageShelf:
         """Remove what no job needs until the rest takes `limit` bytes at most."""
         while tags := self._upkeep.evict(limit):
             for tag in tags:
-                self._folder.remove(tag)
+                self._files.remove(tag)
 
     def remove_strays(self, older_than_ms: int) -> None:
         """Remove files that the database does not know: their writers died before they could tell it."""
-        known = self._upkeep.known_tags()
-        for tag in list(self._folder.names(older_than_ms)):
-            if tag not in known:
-                self._folder.remove(tag)
+        tags = self._files.names(older_than_ms)
+        while some := list(islice(tags, _AT_ONCE)):
+            for tag in self._upkeep.unknown_tags(some):
+                self._files.remove(tag)

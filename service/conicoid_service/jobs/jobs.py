@@ -6,6 +6,7 @@ import logging
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Protocol
 
 from conicoid_service.blob import Blob
 from conicoid_service.bodies import Body
@@ -14,7 +15,8 @@ from conicoid_service.gallery import Gallery
 from conicoid_service.images import Image
 from conicoid_service.jobs.bell import Bell
 from conicoid_service.jobs.clock import now_ms
-from conicoid_service.jobs.disk import Disk
+from conicoid_service.jobs.storage import Storage
+from conicoid_service.jobs.executor import Executor
 from conicoid_service.jobs.image_shelf import sha256_of
 from conicoid_service.jobs.keeper import Keeper
 from conicoid_service.jobs.painter import Painter
@@ -35,45 +37,45 @@ class Jobs:
         draining: set when the server is about to end: nobody should wait for anything any more.
     """
 
-    def __init__(self, settings: Settings, disk: Disk, pipeline: Pipeline, gallery: Gallery) -> None:
-        self._settings, self._disk, self._pipeline = settings, disk, pipeline
+    def __init__(self, settings: Settings, storage: Storage, pipeline: Pipeline, gallery: Gallery) -> None:
+        self._settings, self._storage, self._pipeline = settings, storage, pipeline
         self.bell = Bell()
         self.draining = asyncio.Event()
-        self._painter = Painter(disk, pipeline, gallery)
-        self._runner = Runner(disk, self._painter, self.bell)
-        self._keeper = Keeper(disk, settings.store_limit)
+        self._painter = Painter(storage, pipeline, gallery)
+        self._executor = Executor(storage, self._painter, self.bell.ring)
+        self._hands = _hands(settings, storage, self._executor)
+        self._keeper = Keeper(storage, settings.store_limit)
 
     def start(self) -> None:
-        """Begin to render what is in the store."""
-        # One more than can render, so that one frame is stored while the next is rendered.
-        self._runner.start(self._settings.render_processes + 1)
+        """Have rendered what is in the store."""
+        self._hands.start()
         self._keeper.start()
 
     def drain(self) -> None:
         """Begin no more frames, and end the streams of events."""
         self.draining.set()
-        self._runner.drain()
+        self._hands.drain()
         self.bell.ring_all()
 
     async def stop(self) -> None:
         """Stop rendering and close the store."""
         self.drain()
-        await self._runner.stop()
+        await self._hands.stop()
         await self._keeper.stop()
-        await asyncio.to_thread(self._disk.close)
+        await asyncio.to_thread(self._storage.close)
 
     async def check(self) -> None:
         """Raises StorageError if the disk does not take a small file."""
-        await self._disk.do(self._disk.check)
+        await self._storage.do(self._storage.check)
 
     async def counts(self, what: Counted) -> dict[str, float]:
         """As `Upkeep.counts`."""
-        return await self._disk.do(self._disk.upkeep.counts, what)
+        return await self._storage.do(self._storage.upkeep.counts, what)
 
     @property
     def frames_ended(self) -> Counter[str]:
         """Frames that ended since the start, by how."""
-        return self._runner.ended
+        return self._executor.ended
 
     async def submit(self, body: Body, owner: str, key: str | None) -> tuple[Job, bool, Timings]:
         """A job for the frames of a document, on the disk then, and whether it is new; takes the body over.
@@ -83,46 +85,46 @@ class Jobs:
             StorageError: the disk is full.
             IdempotencyKeyError, JobLimitError: as `JobStore.create`.
         """
-        disk = self._disk
+        storage = self._storage
         batch = await self._pipeline.read_batch(body)
         with batch.views, batch.quadrics:
-            needed = await disk.do(disk.upkeep.needed_bytes)
+            needed = await storage.do(storage.upkeep.needed_bytes)
             if needed > self._settings.store_limit:
                 raise StorageError(
                     f"the images of jobs that are kept take {needed} bytes, the limit is {self._settings.store_limit}; "
                     "try again when some have expired"
                 )
-            if not await disk.do(disk.quadrics.touch, batch.quadrics_hash):
-                await disk.do(disk.quadrics.write, batch.quadrics_hash, batch.quadrics)
+            if not await storage.do(storage.quadrics.touch, batch.quadrics_hash):
+                await storage.do(storage.quadrics.write, batch.quadrics_hash, batch.quadrics)
             digest = hashlib.sha256(f"{batch.quadrics_hash}\n{sha256_of(batch.views)}".encode()).hexdigest()
             new = NewJob(owner, batch.quadrics_hash, batch.frames, _lines(batch.views), digest, key)
-            job, is_new = await disk.do(disk.jobs.create, new, now_ms())
+            job, is_new = await storage.do(storage.jobs.create, new, now_ms())
         if is_new:
             logger.info("job accepted", extra={"job_id": job.id, "owner": owner, "frames": job.frames_total})
-        self._runner.wake()
+        self._hands.wake()
         return job, is_new, batch.timings
 
     async def job(self, job_id: str, owner: str) -> Job:
         """One job; UnknownJobError as in `JobStore.get`."""
-        return await self._disk.do(self._disk.jobs.get, job_id, owner)
+        return await self._storage.do(self._storage.jobs.get, job_id, owner)
 
     async def page(self, owner: str, limit: int, before: str | None, state: State | None) -> list[Job]:
         """Jobs of an owner, newest first."""
-        return await self._disk.do(self._disk.jobs.page, owner, limit, before, state)
+        return await self._storage.do(self._storage.jobs.page, owner, limit, before, state)
 
     async def frames(self, job_id: str, first: int, limit: int) -> list[Frame]:
         """Some frames of a job, in order."""
-        return await self._disk.do(self._disk.jobs.frames, job_id, first, limit)
+        return await self._storage.do(self._storage.jobs.frames, job_id, first, limit)
 
     async def progress(self, job_id: str, ended: int, limit: int) -> tuple[Job | None, list[Frame]]:
         """A job, None if it is not there any more, and frames that ended after the first `ended` did."""
-        return await self._disk.do(self._disk.jobs.progress, job_id, ended, limit)
+        return await self._storage.do(self._storage.jobs.progress, job_id, ended, limit)
 
     async def cancel(self, job_id: str, owner: str) -> tuple[Job, bool]:
         """The job, cancelled if it had not ended, and whether it had not."""
-        job, did = await self._disk.do(self._disk.jobs.cancel, job_id, owner, now_ms())
+        job, did = await self._storage.do(self._storage.jobs.cancel, job_id, owner, now_ms())
         if did:
-            self._runner.cancel(job_id)
+            self._executor.cancel(job_id)
             self.bell.ring(job_id)
             logger.info("job cancelled", extra={"job_id": job_id, "owner": owner})
         return job, did
@@ -155,22 +157,22 @@ class Jobs:
 
     async def _sound(self, tag: str) -> Image | None:
         """A stored image, if it is as it was written."""
-        disk = self._disk
-        found = await disk.do(disk.shelf.get, tag, now_ms())
+        storage = self._storage
+        found = await storage.do(storage.shelf.get, tag, now_ms())
         if found is None:
             return None
         image, known = found
         if await asyncio.to_thread(sha256_of, image.blob) == known.sha256:
             return image
         image.blob.close()
-        await disk.do(disk.shelf.forget, known)
+        await storage.do(storage.shelf.forget, known)
         return None
 
     async def _again(self, job: Job, frame: Frame) -> Image:
         """The image of a frame whose file is damaged."""
-        disk = self._disk
-        again = await self._painter.paint(await disk.do(disk.work.frame, job.id, frame.number), batch=False)
-        await disk.do(disk.upkeep.remember, again, now_ms())
+        storage = self._storage
+        again = await self._painter.paint(await storage.do(storage.work.frame, job.id, frame.number), batch=False)
+        await storage.do(storage.upkeep.remember, again, now_ms())
         image = await self._sound(again.tag) if again.tag == frame.tag else None
         if image is None:
             raise FrameFailedError(
@@ -178,6 +180,24 @@ class Jobs:
                 "another; submit the job again"
             )
         return image
+
+
+class _Hands(Protocol):
+    """What has frames rendered: here, or by a farm."""
+
+    def start(self) -> None: ...
+    def wake(self) -> None: ...
+    def drain(self) -> None: ...
+    async def stop(self) -> None: ...
+
+
+def _hands(settings: Settings, storage: Storage, executor: Executor) -> _Hands:
+    if settings.farm:
+        from conicoid_service.farm.steward import Steward  # its library is an extra
+
+        return Steward(settings, storage)
+    # One more than can render, so that one frame is stored while the next is rendered.
+    return Runner(storage, executor, settings.render_processes + 1)
 
 
 def _lines(views: Blob) -> Iterator[bytes]:

@@ -6,7 +6,8 @@ from typing import Final
 
 from conicoid_service.errors import StorageError
 from conicoid_service.jobs.clock import now_ms
-from conicoid_service.jobs.disk import Disk
+from conicoid_service.jobs.holder import Holder
+from conicoid_service.jobs.storage import Storage
 
 RECLAIM_S: Final = 2.0
 EVICT_S: Final = 10.0
@@ -20,8 +21,8 @@ logger = logging.getLogger(__name__)
 class Keeper:
     """Takes up what other servers left, ends what is over, makes room; for one event loop."""
 
-    def __init__(self, disk: Disk, store_limit: int) -> None:
-        self._disk, self._store_limit = disk, store_limit
+    def __init__(self, storage: Storage, store_limit: int) -> None:
+        self._storage, self._store_limit = storage, store_limit
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
@@ -38,11 +39,15 @@ class Keeper:
         rounds = 0
         while True:
             try:
-                await self._reclaim()
+                if isinstance(self._storage.holder, Holder):  # else it is the steward's
+                    await self._reclaim(self._storage.holder)
                 if rounds % round(EVICT_S / RECLAIM_S) == 0:
-                    await self._tidy()
+                    if await self._storage.do(self._storage.leadership.leads):
+                        await self._tidy()
+                    await self._storage.do(self._storage.check)
                 if rounds % round(SWEEP_S / RECLAIM_S) == 0:
-                    await self._sweep()
+                    if await self._storage.do(self._storage.leadership.leads):
+                        await self._sweep()
             except StorageError as error:
                 logger.warning("%s", error)
             except Exception:  # a defect here must not leave the store to itself
@@ -50,26 +55,25 @@ class Keeper:
             await asyncio.sleep(RECLAIM_S)
             rounds += 1
 
-    async def _reclaim(self) -> None:
+    async def _reclaim(self, holder: Holder) -> None:
         """Give back the frames of servers that died."""
-        disk = self._disk
-        for name in await disk.do(disk.work.holders):
-            if name != disk.holder.name and not disk.holder.lives(name):
-                count = await disk.do(disk.work.take_from, name)
+        storage = self._storage
+        for name in await storage.do(storage.work.holders):
+            if name != holder.name and not holder.lives(name):
+                count = await storage.do(storage.work.take_from, name)
                 logger.warning("%d frames of a server that ended are taken up again", count)
 
     async def _tidy(self) -> None:
         """End what is over and make room."""
-        disk = self._disk
-        await disk.do(disk.upkeep.expire, now_ms())
+        storage = self._storage
+        await storage.do(storage.upkeep.expire, now_ms())
         # On a full disk images that nobody needs make room for those that somebody does.
-        await disk.do(disk.shelf.make_room, 0 if disk.trouble else self._store_limit)
-        await disk.do(disk.check)
+        await storage.do(storage.shelf.make_room, 0 if storage.full else self._store_limit)
 
     async def _sweep(self) -> None:
         """Remove files that nothing leads to, which takes a look at all of them."""
-        disk, older_than_ms = self._disk, now_ms() - _STRAY_MS
-        await disk.do(disk.shelf.remove_strays, older_than_ms)
-        await disk.do(disk.remove_quadrics, older_than_ms)
-        for folder in (disk.images, disk.quadrics):
-            await disk.do(folder.sweep, older_than_ms)
+        storage, older_than_ms = self._storage, now_ms() - _STRAY_MS
+        await storage.do(storage.shelf.remove_strays, older_than_ms)
+        await storage.do(storage.remove_quadrics, older_than_ms)
+        for folder in (storage.images, storage.quadrics):
+            await storage.do(folder.sweep, older_than_ms)

@@ -1,44 +1,88 @@
-"""From a frame in the store to its image on the disk."""
+"""From a unit in the store to its image there."""
 
+from dataclasses import replace
+
+from conicoid_service.bands import band_crop, band_view
 from conicoid_service.blob import Blob
 from conicoid_service.entity_tags import entity_tag
 from conicoid_service.errors import RenderCrashedError, ServiceError
 from conicoid_service.gallery import Gallery
+from conicoid_service.images import Image
 from conicoid_service.jobs.clock import now_ms
-from conicoid_service.jobs.disk import Disk
 from conicoid_service.jobs.records import Claim, StoredImage
+from conicoid_service.jobs.storage import Storage
 from conicoid_service.jobs.work import MOST_ATTEMPTS
 from conicoid_service.pipeline import Pipeline, ReadScene
 
 
 class Painter:
-    """Renders frames, unless their images are there."""
+    """Renders frames and bands and joins these, unless their images are there."""
 
-    def __init__(self, disk: Disk, pipeline: Pipeline, gallery: Gallery) -> None:
-        self._disk, self._pipeline, self._gallery = disk, pipeline, gallery
+    def __init__(self, storage: Storage, pipeline: Pipeline, gallery: Gallery) -> None:
+        self._storage, self._pipeline, self._gallery = storage, pipeline, gallery
 
     async def paint(self, claim: Claim, *, batch: bool) -> StoredImage:
-        """The frame's image, on the disk; the database is told by the caller.
+        """The unit's image, in the store; the database is told by the caller.
 
         Raises:
             ServiceError: it cannot be rendered.
         """
-        disk, device = self._disk, (await self._pipeline.device())["device"]
-        tag = entity_tag(claim.scene_hash, device)
-        known = await disk.insist(disk.shelf.about, tag, now_ms())
+        storage, device = self._storage, (await self._pipeline.device())["device"]
+        view, scene_hash = _view(claim)
+        tag = entity_tag(scene_hash, device)
+        known = await storage.insist(storage.shelf.about, tag, now_ms())
         if known is not None:
             return known
         if claim.attempts > MOST_ATTEMPTS:
             raise RenderCrashedError(f"the frame was begun {MOST_ATTEMPTS} times, and each time what rendered it ended")
-        read = await self._read(claim)
-        with read.view, read.quadrics:
-            shown = await self._gallery.show(tag, read, owner=claim.owner, batch=batch)
-        with shown.image.blob:
-            return await disk.insist(disk.shelf.put, tag, shown.image)
+        image = await (self._join(claim, batch) if claim.bands and not claim.band
+                       else self._render(claim, view, scene_hash, tag, batch))  # fmt: skip
+        with image.blob:
+            return await storage.insist(storage.shelf.put, tag, image)
 
-    async def _read(self, claim: Claim) -> ReadScene:
-        quadrics = await self._disk.do(self._disk.quadrics.open, claim.quadrics_hash)
+    async def _render(self, claim: Claim, view: bytes, scene_hash: str, tag: str, batch: bool) -> Image:
+        quadrics = await self._storage.do(self._storage.quadrics.open, claim.quadrics_hash)
         if quadrics is None:
-            raise ServiceError("the quadrics of the job are not on the disk any more; submit it again")
-        view = Blob.of(claim.view.encode())
-        return ReadScene(view, quadrics, True, claim.scene_hash, claim.quadrics_hash, {}, stored=True)
+            raise ServiceError("the quadrics of the job are not in the store any more; submit it again")
+        read = ReadScene(Blob.of(view), quadrics, True, scene_hash, claim.quadrics_hash, {}, stored=True)
+        with read.view, read.quadrics:
+            return (await self._gallery.show(tag, read, owner=claim.owner, batch=batch)).image
+
+    async def _join(self, claim: Claim, batch: bool) -> Image:
+        """The whole frame, of bands that are there; of one that is not any more, rendered once more."""
+        bands: list[Image] = []
+        try:
+            tags = await self._storage.do(self._storage.work.bands, claim)
+            for number, tag in enumerate(tags, start=1):
+                bands.append(await self._band(replace(claim, band=number), tag, batch))
+            blobs = [band.blob.shared() for band in bands]
+            joined, _ = await self._pipeline.join(
+                Blob.of(claim.view.encode()), blobs, claim.scene_hash, owner=claim.owner, batch=batch
+            )
+            refined, settled = (sum(getattr(band, name) for band in bands) for name in ("refined", "settled"))
+            return replace(joined, refined=refined, settled=settled)
+        finally:
+            for band in bands:
+                band.blob.close()
+
+    async def _band(self, claim: Claim, tag: str | None, batch: bool) -> Image:
+        storage = self._storage
+        found = None if tag is None else await storage.do(storage.shelf.get, tag, now_ms())
+        if found is None:
+            again = await self.paint(claim, batch=batch)
+            found = await storage.do(storage.shelf.get, again.tag, now_ms())
+        if found is None:
+            raise ServiceError(f"band {claim.band} of the frame is damaged as soon as it is stored")
+        return found[0]
+
+
+def _view(claim: Claim) -> tuple[bytes, str]:
+    """The view of a unit, a line of JSON, and the hash of its scene."""
+    if not claim.band:
+        return claim.view.encode(), claim.scene_hash
+    from conicoid.canonical import view_hash
+    from conicoid_service.views import view_from, view_line  # these load NumPy, which whole frames do not need
+
+    camera, output = view_from(claim.view.encode())
+    camera, output = band_view(camera, output, band_crop(camera.crop, claim.band - 1, claim.bands))
+    return view_line(claim.quadrics_hash, camera, output), view_hash(claim.quadrics_hash, camera, output)

@@ -1,5 +1,6 @@
 """Jobs and frames as the store gives them out."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -7,6 +8,10 @@ State = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 
 STATES: Final[tuple[State, ...]] = ("queued", "running", "succeeded", "failed", "cancelled")
 UNFINISHED: Final[tuple[State, ...]] = ("queued", "running")
+
+Priority = Literal["normal", "high"]
+
+PRIORITIES: Final[Mapping[Priority, int]] = {"normal": 0, "high": 1}
 
 
 @dataclass(frozen=True)
@@ -64,16 +69,30 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Claim:
-    """A frame that this server is to render.
+class Unit:
+    """What is rendered at a time.
 
     Attributes:
-        view: camera and output, a line of JSON.
-        attempts: how often it was taken, this time included.
+        number: of the frame.
+        band: of the frame, from 1; 0 is the whole frame.
     """
 
     job_id: str
     number: int
+    band: int
+
+
+@dataclass(frozen=True)
+class Claim(Unit):
+    """A unit that this server is to render.
+
+    Attributes:
+        bands: into which the frame is cut; band 0 of such a frame is to be joined.
+        view: camera and output of the frame, a line of JSON.
+        attempts: how often it was taken, this time included.
+    """
+
+    bands: int
     owner: str
     quadrics_hash: str
     view: str

@@ -7,12 +7,14 @@ from itertools import islice
 from typing import Any, Final
 
 import orjson
-from sqlalchemy import Connection, Select, func, insert, select, update
+from sqlalchemy import Connection, Select, and_, case, func, insert, select, update
 
+from conicoid_service.bands import band_count
 from conicoid_service.errors import IdempotencyKeyError, JobLimitError, UnknownJobError
-from conicoid_service.jobs.database import Database
+from conicoid_service.jobs.database import Database, alone
 from conicoid_service.jobs.records import UNFINISHED, Frame, Job, State
 from conicoid_service.jobs.tables import frames, images, jobs
+from conicoid_service.jobs.units import end_job
 
 _ROWS: Final = 500  # frames written at a time
 _JOB_COLUMNS: Final = [jobs.c[one.name] for one in fields(Job)]
@@ -24,6 +26,7 @@ class NewJob:
 
     Attributes:
         views: of each frame camera, output and scene hash, a line of JSON.
+        priority: see `records.PRIORITIES`.
         digest: of all that the job means, for `idempotency_key`.
     """
 
@@ -33,18 +36,20 @@ class NewJob:
     views: Iterable[bytes]
     digest: str
     idempotency_key: str | None
+    priority: int = 0
 
 
 class JobStore:
-    """The jobs in a database; for one thread at a time.
+    """The jobs in a database.
 
     Args:
         lifetime_ms: how long a job is kept after its end.
         owner_frame_limit: how many frames that have not ended one owner may have.
+        band_pixels: how many pixels are rendered at a time.
     """
 
-    def __init__(self, database: Database, lifetime_ms: int, owner_frame_limit: int) -> None:
-        self._database = database
+    def __init__(self, database: Database, lifetime_ms: int, owner_frame_limit: int, band_pixels: int) -> None:
+        self._database, self._band_pixels = database, band_pixels
         self._lifetime_ms, self._owner_frame_limit = lifetime_ms, owner_frame_limit
 
     def create(self, new: NewJob, now_ms: int) -> tuple[Job, bool]:
@@ -55,6 +60,7 @@ class JobStore:
             JobLimitError: the owner would have too many frames that have not ended.
         """
         with self._database.writing() as connection:
+            alone(connection, f"jobs of {new.owner}")
             if new.idempotency_key is not None and (known := _by_key(connection, new)):
                 if known.digest != new.digest:
                     raise IdempotencyKeyError(
@@ -74,9 +80,10 @@ class JobStore:
                     quadrics_hash=new.quadrics_hash,
                     idempotency_key=new.idempotency_key,
                     digest=new.digest,
+                    priority=new.priority,
                 )
             )
-            rows = _frame_rows(job_id, new.views)
+            rows = self._rows(job_id, new.views)
             while some := list(islice(rows, _ROWS)):
                 connection.execute(insert(frames), some)
             return _job(connection, job_id), True
@@ -120,15 +127,28 @@ class JobStore:
             UnknownJobError: as in `get`.
         """
         with self._database.writing() as connection:
-            job = _owned(connection, job_id, owner)
+            job = _owned(connection, job_id, owner, locked=True)
             if job.ended:
                 return job, False
             of_job = frames.c.job_id == job_id
             connection.execute(
                 update(frames).where(of_job, frames.c.state.in_(UNFINISHED)).values(state="cancelled", holder=None)
             )
-            end(connection, job_id, "cancelled", now_ms, self._lifetime_ms)
+            end_job(connection, job_id, "cancelled", now_ms, self._lifetime_ms)
             return _job(connection, job_id), True
+
+    def _rows(self, job_id: str, views: Iterable[bytes]) -> Iterator[dict[str, Any]]:
+        """Rows of frames and their bands."""
+        for number, line in enumerate(views):
+            view = orjson.loads(line)
+            bands = band_count(view["camera"]["crop"], self._band_pixels)
+            if bands == 1:
+                bands = 0
+            row = {"job_id": job_id, "number": number, "state": "queued", "view": line.decode(),
+                   "scene_hash": view["scene_hash"], "bands": bands}  # fmt: skip
+            yield {**row, "band": 0, "bands_left": bands}
+            for band in range(1, bands + 1):
+                yield {**row, "band": band, "bands_left": 0}
 
     def _check_limit(self, connection: Connection, new: NewJob) -> None:
         left = func.sum(jobs.c.frames_total - jobs.c.frames_done - jobs.c.frames_failed)
@@ -141,33 +161,21 @@ class JobStore:
             )
 
 
-def end(connection: Connection, job_id: str, state: State, now_ms: int, lifetime_ms: int) -> None:
-    """End a job."""
-    ended = {"state": state, "finished_ms": now_ms, "expires_ms": now_ms + lifetime_ms}
-    connection.execute(update(jobs).where(jobs.c.id == job_id).values(ended))
-
-
-def _frame_rows(job_id: str, views: Iterable[bytes]) -> Iterator[dict[str, Any]]:
-    for number, line in enumerate(views):
-        scene_hash = orjson.loads(line)["scene_hash"]
-        yield {
-            "job_id": job_id, "number": number, "state": "queued", "view": line.decode(), "scene_hash": scene_hash
-        }  # fmt: skip
-
-
 def _frames(job_id: str) -> Select[Any]:
-    columns = [images.c.bytes if one.name == "bytes" else frames.c[one.name] for one in fields(Frame)]
+    begun = and_(frames.c.state == "queued", frames.c.bands_left < frames.c.bands)
+    others = {"bytes": images.c.bytes, "state": case((begun, "running"), else_=frames.c.state)}
+    columns: list[Any] = [others.get(one.name, frames.c.get(one.name)) for one in fields(Frame)]
     joined = frames.outerjoin(images, frames.c.tag == images.c.tag)
-    return select(*columns).select_from(joined).where(frames.c.job_id == job_id)
+    return select(*columns).select_from(joined).where(frames.c.job_id == job_id, frames.c.band == 0)
 
 
 def _job(connection: Connection, job_id: str) -> Job:
     return Job(*connection.execute(select(*_JOB_COLUMNS).where(jobs.c.id == job_id)).one())
 
 
-def _owned(connection: Connection, job_id: str, owner: str) -> Job:
+def _owned(connection: Connection, job_id: str, owner: str, *, locked: bool = False) -> Job:
     query = select(*_JOB_COLUMNS).where(jobs.c.id == job_id, jobs.c.owner == owner)
-    row = connection.execute(query).one_or_none()
+    row = connection.execute(query.with_for_update() if locked else query).one_or_none()
     if row is None:
         raise UnknownJobError(f"there is no job {job_id[:40]!r}, or not any more; GET /v1/jobs lists those that are")
     return Job(*row)

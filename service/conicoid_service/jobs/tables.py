@@ -31,22 +31,29 @@ jobs: Final = Table(
     Column("quadrics_hash", String(64), nullable=False),
     Column("idempotency_key", String(255)),
     Column("digest", String(64), nullable=False),
+    Column("priority", Integer, nullable=False, default=0),  # see `records.PRIORITIES`
     UniqueConstraint("owner", "idempotency_key"),
     Index(None, "owner", "id"),
     Index(None, "state", "owner", "id"),
     Index(None, "quadrics_hash"),
 )
 
+# What can be rendered at a time: a frame, or a band of a large one. Band 0 stands for the whole frame.
 frames: Final = Table(
     "frames",
     metadata,
     Column("job_id", ForeignKey(jobs.c.id, ondelete="CASCADE"), primary_key=True),
     Column("number", Integer, primary_key=True),
+    Column("band", Integer, primary_key=True, default=0),
+    Column("bands", Integer, nullable=False, default=0),  # into which the frame is cut; 0: it is rendered whole
+    Column("bands_left", Integer, nullable=False, default=0),  # that it waits for before it is joined; of band 0
     Column("state", String(9), nullable=False),
     Column("view", Text, nullable=False),  # camera and output, a line of JSON
     Column("scene_hash", String(64), nullable=False),
     Column("attempts", Integer, nullable=False, default=0),
     Column("not_before_ms", BigInteger, nullable=False, default=0),
+    Column("sent_ms", BigInteger),  # to the broker of a farm, when it was last sent
+    Column("taken_ms", BigInteger),  # by a worker of a farm, which says so again and again
     Column("holder", String(32)),  # the server that renders it
     Column("ended_as", Integer),  # the n-th frame of its job to end, from 1
     Column("tag", String(64)),  # of its image
@@ -55,6 +62,7 @@ frames: Final = Table(
     Index(None, "job_id", "state", "number"),
     Index(None, "job_id", "ended_as"),
     Index(None, "state", "holder"),
+    Index(None, "state", "sent_ms"),
     Index(None, "tag"),
 )
 
@@ -67,6 +75,17 @@ images: Final = Table(
     Column("scene_hash", String(64), nullable=False),
     Column("refined", Integer, nullable=False),
     Column("settled", Integer, nullable=False),
+    Column("used_ms", BigInteger, nullable=False),
+    Index(None, "used_ms"),
+)
+
+# Quadrics that were kept for later requests.
+scenes: Final = Table(
+    "scenes",
+    metadata,
+    Column("id", String(64), primary_key=True),  # the quadrics' hash, which also names their file
+    Column("quadrics", Integer, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
     Column("used_ms", BigInteger, nullable=False),
     Index(None, "used_ms"),
 )

@@ -1,13 +1,13 @@
 """What is given up: jobs whose time is over, images that nobody needs and for which there is no room, stray files."""
 
+from collections.abc import Sequence
 from typing import Any, Final, Literal
 
-from sqlalchemy import Connection, delete, exists, func, select, update
+from sqlalchemy import Connection, delete, exists, func, select, union, update
 
-from conicoid_service.jobs.database import Database
+from conicoid_service.jobs.database import Database, upsert
 from conicoid_service.jobs.records import STATES, StoredImage
-from conicoid_service.jobs.tables import frames, images, jobs, metadata
-from conicoid_service.jobs.work import remember
+from conicoid_service.jobs.tables import frames, images, jobs, metadata, scenes
 
 Counted = Literal["jobs", "frames", "bytes"]
 
@@ -17,7 +17,7 @@ _NEEDED: Final = exists().where(frames.c.tag == images.c.tag)
 
 
 class Upkeep:
-    """Jobs and images in a database, seen as what takes room; for one thread at a time."""
+    """Jobs and images in a database, seen as what takes room."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -38,7 +38,7 @@ class Upkeep:
     def remember(self, image: StoredImage, now_ms: int) -> None:
         """Note an image that is on the disk."""
         with self._database.writing() as connection:
-            remember(connection, image, now_ms)
+            upsert(connection, images, {**image.__dict__, "used_ms": now_ms})
 
     def forget(self, tag: str) -> None:
         """An image is not on the disk any more, though it should be."""
@@ -80,17 +80,21 @@ class Upkeep:
             if what == "bytes":
                 return {"": float(_bytes(connection))}
             state = metadata.tables[what].c.state
-            rows = connection.execute(select(state, func.count()).group_by(state))
+            query = select(state, func.count()).group_by(state)
+            rows = connection.execute(query.where(frames.c.band == 0) if what == "frames" else query)
             return dict.fromkeys(STATES, 0.0) | {name: float(count) for name, count in rows}
 
-    def known_tags(self) -> set[str]:
-        """The tags of all images."""
+    def unknown_tags(self, tags: Sequence[str]) -> set[str]:
+        """Those of some tags that no image has."""
         with self._database.reading() as connection:
-            return set(connection.execute(select(images.c.tag)).scalars())
+            return set(tags).difference(connection.execute(select(images.c.tag).where(images.c.tag.in_(tags))).scalars())
 
     def needed_quadrics(self) -> set[str]:
-        """The hashes of the quadrics of all jobs: a damaged image can be rendered again for as long as it is needed."""
-        query = select(jobs.c.quadrics_hash).distinct()
+        """The hashes of the quadrics of all jobs and scenes.
+
+        Of jobs that have ended too: a damaged image can be rendered again for as long as it is needed.
+        """
+        query = union(select(jobs.c.quadrics_hash), select(scenes.c.id))
         with self._database.reading() as connection:
             return set(connection.execute(query).scalars())
 

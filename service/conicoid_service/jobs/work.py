@@ -1,20 +1,21 @@
-"""What a server does to frames: take one, end it, give it back. Each step is one transaction."""
+"""What a server does to units: take one, end it, give it back. Each step is one transaction."""
 
+from dataclasses import fields
 from typing import Any, Final
 
-from sqlalchemy import Connection, exists, func, insert, select, update
+from sqlalchemy import Connection, and_, exists, func, or_, select, update
 
-from conicoid_service.jobs.database import Database
-from conicoid_service.jobs.records import UNFINISHED, Claim, StoredImage
-from conicoid_service.jobs.store import end
+from conicoid_service.jobs.database import Database, upsert
+from conicoid_service.jobs.records import Claim, StoredImage, Unit
 from conicoid_service.jobs.tables import frames, images, jobs
+from conicoid_service.jobs.units import at, end_unit, of_frame, owners_who_wait, waiting_units
 
 # A frame that is taken so often and never ended is what ends servers.
 MOST_ATTEMPTS: Final = 5
 
 
 class Work:
-    """The frames in a database, for the server that renders them; for one thread at a time.
+    """The units in a database, for the server that renders them.
 
     Args:
         holder: this server's name in the store.
@@ -26,54 +27,74 @@ class Work:
         self._last_owner = ""
 
     def claim(self, now_ms: int) -> Claim | None:
-        """Take the first frame of the next owner, who take turns; None if there is nothing to render."""
+        """Take the first unit of the next owner, who take turns; None if there is nothing to render."""
         with self._database.reading() as connection:  # so that an idle server writes nothing
-            if not _owners(connection, now_ms):
+            if not owners_who_wait(connection, now_ms):
                 return None
         with self._database.writing() as connection:
-            owners = _owners(connection, now_ms)
+            owners = owners_who_wait(connection, now_ms)
             if not owners:
                 return None
             owner = next((one for one in owners if one > self._last_owner), owners[0])
-            claim = _first(connection, owner, now_ms)
-            taken = {"state": "running", "holder": self._holder, "attempts": claim.attempts}
-            connection.execute(update(frames).where(*_place(claim)).values(taken))
-            started = {"state": "running", "started_ms": func.coalesce(jobs.c.started_ms, now_ms)}
-            connection.execute(update(jobs).where(jobs.c.id == claim.job_id, jobs.c.state == "queued").values(started))
-        self._last_owner = owner
-        return claim
+            self._last_owner = owner
+            unit = waiting_units(connection, owner, now_ms, 1)[0]
+            return self._take(connection, unit, [], now_ms)
+
+    def take(self, unit: Unit, now_ms: int, *, lost_before_ms: int) -> Claim | None:
+        """Take a unit that a broker delivered; None if it is not wanted any more, or somebody else renders it.
+
+        Args:
+            lost_before_ms: whoever took it before that time, and has not said anything since, is gone.
+        """
+        gone = and_(frames.c.state == "running", frames.c.taken_ms < lost_before_ms)
+        with self._database.writing() as connection:
+            return self._take(connection, unit, [or_(frames.c.state == "queued", gone)], now_ms)
+
+    def _take(self, connection: Connection, unit: Unit, where: list[Any], now_ms: int) -> Claim | None:
+        this = [*at(unit), frames.c.bands_left == 0, *where]
+        started = {"state": "running", "started_ms": func.coalesce(jobs.c.started_ms, now_ms)}
+        connection.execute(
+            update(jobs).where(jobs.c.id == unit.job_id, jobs.c.state == "queued", exists().where(*this)).values(started)
+        )
+        taken = {"state": "running", "holder": self._holder, "attempts": frames.c.attempts + 1, "taken_ms": now_ms}
+        if not connection.execute(update(frames).where(*this).values(taken)).rowcount:
+            return None
+        return _claim(connection, unit)
 
     def frame(self, job_id: str, number: int) -> Claim:
-        """A frame as a claim would give it, without taking it."""
-        columns = [frames.c.job_id, frames.c.number, jobs.c.owner, jobs.c.quadrics_hash, frames.c.view,
-                   frames.c.scene_hash, frames.c.attempts]  # fmt: skip
-        query = select(*columns).join_from(frames, jobs).where(frames.c.job_id == job_id, frames.c.number == number)
+        """A whole frame as a claim would give it, without taking it."""
         with self._database.reading() as connection:
-            return Claim(*connection.execute(query).one())
+            return _claim(connection, Unit(job_id, number, 0))
 
     def finish(self, claim: Claim, image: StoredImage, now_ms: int) -> bool:
-        """The frame has an image, which is on the disk; False if the frame was cancelled or taken from us."""
+        """The unit has an image, which is on the disk; False if it was cancelled or taken from us."""
         with self._database.writing() as connection:
-            remember(connection, image, now_ms)
-            return self._ended(connection, claim, {"state": "succeeded", "tag": image.tag}, now_ms)
+            upsert(connection, images, {**image.__dict__, "used_ms": now_ms})
+            done = {"state": "succeeded", "tag": image.tag}
+            return end_unit(connection, claim, self._ours(claim), done, now_ms, self._lifetime_ms)
 
     def fail(self, claim: Claim, code: str, detail: str, now_ms: int) -> bool:
-        """The frame has no image and will have none; False as in `finish`."""
+        """The unit has no image and will have none; False as in `finish`."""
+        failed = {"state": "failed", "error_code": code, "error_detail": detail}
         with self._database.writing() as connection:
-            failed = {"state": "failed", "error_code": code, "error_detail": detail}
-            return self._ended(connection, claim, failed, now_ms)
+            return end_unit(connection, claim, self._ours(claim), failed, now_ms, self._lifetime_ms)
 
     def release(self, claim: Claim, *, not_before_ms: int, counts: bool) -> None:
-        """Give a frame back to be taken again, at a time of which this attempt counts or not."""
-        waiting = {"state": "queued", "holder": None, "not_before_ms": not_before_ms,
+        """Give a unit back to be taken again, at a time of which this attempt counts or not."""
+        waiting = {"state": "queued", "holder": None, "sent_ms": None, "not_before_ms": not_before_ms,
                    "attempts": claim.attempts - (not counts)}  # fmt: skip
         with self._database.writing() as connection:
             connection.execute(update(frames).where(*self._ours(claim)).values(waiting))
 
     def is_ours(self, claim: Claim) -> bool:
-        """Whether the frame is still to be rendered here: not cancelled, nor taken from us."""
+        """Whether the unit is still to be rendered here: not cancelled, nor taken from us."""
         with self._database.reading() as connection:
             return connection.execute(select(frames.c.number).where(*self._ours(claim))).one_or_none() is not None
+
+    def renew(self, claim: Claim, now_ms: int) -> None:
+        """Say that the unit is still being rendered here."""
+        with self._database.writing() as connection:
+            connection.execute(update(frames).where(*self._ours(claim)).values(taken_ms=now_ms))
 
     def holders(self) -> set[str]:
         """The names of all servers that are rendering frames."""
@@ -88,61 +109,18 @@ class Work:
             lost = update(frames).where(frames.c.state == "running", frames.c.holder == holder)
             return connection.execute(lost.values(state="queued", holder=None)).rowcount
 
+    def bands(self, claim: Claim) -> list[str]:
+        """The tags of the bands of a frame, in order."""
+        query = select(frames.c.tag).where(*of_frame(claim), frames.c.band > 0).order_by(frames.c.band)
+        with self._database.reading() as connection:
+            return list(connection.execute(query).scalars())
+
     def _ours(self, claim: Claim) -> list[Any]:
-        return [*_place(claim), frames.c.state == "running", frames.c.holder == self._holder]
-
-    def _ended(self, connection: Connection, claim: Claim, values: dict[str, Any], now_ms: int) -> bool:
-        job = select(jobs.c.frames_total, jobs.c.frames_done, jobs.c.frames_failed).where(jobs.c.id == claim.job_id)
-        row = connection.execute(job).one_or_none()
-        if row is None:
-            return False
-        total, done, failed = row
-        done, failed = done + (values["state"] == "succeeded"), failed + (values["state"] == "failed")
-        ended = {**values, "holder": None, "ended_as": done + failed}
-        if not connection.execute(update(frames).where(*self._ours(claim)).values(ended)).rowcount:
-            return False
-        counted = {"frames_done": done, "frames_failed": failed}
-        connection.execute(update(jobs).where(jobs.c.id == claim.job_id).values(counted))
-        if done + failed == total:
-            end(connection, claim.job_id, "failed" if failed else "succeeded", now_ms, self._lifetime_ms)
-        return True
+        return [frames.c.state == "running", frames.c.holder == self._holder]
 
 
-def remember(connection: Connection, image: StoredImage, now_ms: int) -> None:
-    """Note an image that is on the disk; once more if it was written once more."""
-    row = {**image.__dict__, "used_ms": now_ms}
-    if not connection.execute(update(images).where(images.c.tag == image.tag).values(row)).rowcount:
-        connection.execute(insert(images).values(row))
-
-
-def _owners(connection: Connection, now_ms: int) -> list[str]:
-    """Whose frames wait, in order."""
-    query = select(jobs.c.owner).where(*_with_waiting(now_ms)).distinct().order_by(jobs.c.owner)
-    return list(connection.execute(query).scalars())
-
-
-def _first(connection: Connection, owner: str, now_ms: int) -> Claim:
-    """The first waiting frame of an owner who has one, as it will be when it is taken."""
-    job = select(jobs.c.id, jobs.c.quadrics_hash).where(jobs.c.owner == owner, *_with_waiting(now_ms))
-    job_id, quadrics_hash = connection.execute(job.order_by(jobs.c.id).limit(1)).one()
-    frame = (
-        select(frames.c.number, frames.c.view, frames.c.scene_hash, frames.c.attempts + 1)
-        .where(frames.c.job_id == job_id, *_waiting(now_ms))
-        .order_by(frames.c.number)
-        .limit(1)
-    )
-    number, view, scene_hash, attempts = connection.execute(frame).one()
-    return Claim(job_id, number, owner, quadrics_hash, view, scene_hash, attempts)
-
-
-def _with_waiting(now_ms: int) -> list[Any]:
-    """Jobs of which frames wait; it looks at no more than one of each."""
-    return [jobs.c.state.in_(UNFINISHED), exists().where(frames.c.job_id == jobs.c.id, *_waiting(now_ms))]
-
-
-def _waiting(now_ms: int) -> list[Any]:
-    return [frames.c.state == "queued", frames.c.not_before_ms <= now_ms]
-
-
-def _place(claim: Claim) -> list[Any]:
-    return [frames.c.job_id == claim.job_id, frames.c.number == claim.number]
+def _claim(connection: Connection, unit: Unit) -> Claim:
+    columns = [jobs.c[one.name] if one.name in ("owner", "quadrics_hash") else frames.c[one.name]
+               for one in fields(Claim)]  # fmt: skip
+    query = select(*columns).join_from(frames, jobs).where(*at(unit))
+    return Claim(*connection.execute(query).one())

@@ -13,6 +13,7 @@ from conicoid_service.jobs.upkeep import Upkeep
 from conicoid_service.jobs.work import Work
 
 LIFETIME_MS = 1000
+BAND_PIXELS = 1000
 
 
 class Store:
@@ -20,7 +21,7 @@ class Store:
 
     def __init__(self, folder: Path, holder: str = "me", owner_frame_limit: int = 1000) -> None:
         self.database = Database(folder / "jobs.sqlite")
-        self.jobs = JobStore(self.database, LIFETIME_MS, owner_frame_limit)
+        self.jobs = JobStore(self.database, LIFETIME_MS, owner_frame_limit, BAND_PIXELS)
         self.work = Work(self.database, holder, LIFETIME_MS)
         self.upkeep = Upkeep(self.database)
 
@@ -45,7 +46,8 @@ def opened(folder: Path, **arguments: Any) -> Iterator[Store]:
 
 
 def new_job(frames: int = 1, owner: str = "", **changes: Any) -> NewJob:
-    views = [json.dumps({"camera": {"frame": k}, "scene_hash": f"hash {k}"}).encode() for k in range(frames)]
+    crop = changes.pop("crop", [0, 0, 20, 10])
+    views = [json.dumps({"camera": {"frame": k, "crop": crop}, "scene_hash": f"hash {k}"}).encode() for k in range(frames)]
     values: dict[str, Any] = {"quadrics_hash": "quadrics", "digest": "digest", "idempotency_key": None, **changes}
     return NewJob(owner=owner, frames_total=frames, views=views, **values)
 

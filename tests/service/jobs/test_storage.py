@@ -11,15 +11,15 @@ import pytest
 from conicoid_service.blob import Blob
 from conicoid_service.errors import StorageError, StoreError
 from conicoid_service.images import Image
-from conicoid_service.jobs.disk import Disk
+from conicoid_service.jobs.storage import Storage
 from conicoid_service.settings import Settings
 
 pytestmark = pytest.mark.anyio
 
 
 @pytest.fixture
-def disk(tmp_path: Path) -> Iterator[Disk]:
-    opened = Disk(Settings(data_dir=tmp_path))
+def storage(tmp_path: Path) -> Iterator[Storage]:
+    opened = Storage(Settings(data_dir=tmp_path))
     yield opened
     opened.close()
 
@@ -27,49 +27,49 @@ def disk(tmp_path: Path) -> Iterator[Disk]:
 @pytest.mark.parametrize(
     "wrap", [lambda blob: blob, lambda blob: (Image(blob, "", 0, 0), "about it")], ids=["alone", "in an image"]
 )
-async def test_file_that_was_opened_for_who_has_left_is_closed(disk: Disk, wrap: object) -> None:
+async def test_file_that_was_opened_for_who_has_left_is_closed(storage: Storage, wrap: object) -> None:
     blob = Blob()
 
     def slowly() -> object:
         time.sleep(0.3)
         return wrap(blob)  # type: ignore[operator]
 
-    asking = asyncio.create_task(disk.do(slowly))
+    asking = asyncio.create_task(storage.do(slowly))
     await asyncio.sleep(0.1)
     asking.cancel()
     await asyncio.wait({asking})
-    await disk.do(lambda: None)  # after it
+    await storage.do(lambda: None)  # after it
     assert asking.cancelled()
     assert blob.file.closed
 
 
-async def test_step_that_was_not_begun_is_not_taken_for_who_has_left(disk: Disk) -> None:
+async def test_step_that_was_not_begun_is_not_taken_for_who_has_left(storage: Storage) -> None:
     taken: list[int] = []
-    first = asyncio.create_task(disk.do(time.sleep, 0.3))
+    first = asyncio.create_task(storage.do(time.sleep, 0.3))
     await asyncio.sleep(0.1)
-    second = asyncio.create_task(disk.do(taken.append, 1))
+    second = asyncio.create_task(storage.do(taken.append, 1))
     await asyncio.sleep(0)
     second.cancel()
     await first
-    await disk.do(lambda: None)
+    await storage.do(lambda: None)
     assert taken == []
 
 
-async def test_disk_that_refuses_is_told_from_a_defect(disk: Disk) -> None:
+async def test_disk_that_refuses_is_told_from_a_defect(storage: Storage) -> None:
     def refuse(number: int) -> None:
         raise OSError(number, "No space left on device")
 
     with pytest.raises(StorageError, match="No space left on device") as refused:
-        await disk.do(refuse, errno.ENOSPC)
+        await storage.do(refuse, errno.ENOSPC)
     assert refused.value.retry_after_s
-    assert disk.trouble == "No space left on device"
+    assert storage.trouble == "No space left on device"
     with pytest.raises(OSError, match="No space"):
-        await disk.do(refuse, errno.EBADF)
-    await disk.do(disk.check)
-    assert disk.trouble is None
+        await storage.do(refuse, errno.EBADF)
+    await storage.do(storage.check)
+    assert storage.trouble is None
 
 
 def test_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(StoreError, match="file/store: jobs cannot be kept here"):
-        Disk(Settings(data_dir=tmp_path / "file" / "store"))
+        Storage(Settings(data_dir=tmp_path / "file" / "store"))

@@ -1,0 +1,96 @@
+"""What the API and its workers agree upon: queues, messages, and how Celery treats them."""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from celery import Celery
+from kombu import Exchange, Queue
+
+from conicoid import __version__
+from conicoid_service.entity_tags import ENGINE
+from conicoid_service.jobs.records import PRIORITIES, Priority, Unit
+from conicoid_service.settings import Settings
+
+TASK: Final = "conicoid.unit"
+# Deliveries of a unit whose workers end, beyond the first.
+REDELIVERIES: Final = 3
+CONNECT_S: Final = 5.0
+HEARTBEAT_S: Final = 10
+# A child that takes longer has gone astray: what it does has a deadline of its own. Less than the half hour after
+# which RabbitMQ takes a message back.
+ASTRAY_S: Final = 900
+
+_EXCHANGE: Final = Exchange("conicoid", "direct")
+
+DEAD: Final = Queue("conicoid.dead", _EXCHANGE, "conicoid.dead", queue_arguments={"x-queue-type": "quorum"})
+
+
+def queue_name(priority: Priority) -> str:
+    """The queue of a priority; each version has its own, so that no worker gets what it would render differently."""
+    return f"conicoid.{__version__}.{priority}"
+
+
+QUEUES: Final[Mapping[Priority, Queue]] = {
+    priority: Queue(
+        queue_name(priority),
+        _EXCHANGE,
+        queue_name(priority),
+        queue_arguments={
+            "x-queue-type": "quorum",
+            "x-delivery-limit": REDELIVERIES,
+            "x-dead-letter-exchange": _EXCHANGE.name,
+            "x-dead-letter-routing-key": DEAD.routing_key,
+        },
+    )
+    for priority in PRIORITIES
+}
+
+
+def message_of(unit: Unit) -> dict[str, Any]:
+    """A unit as a task's keyword arguments."""
+    return {"job": unit.job_id, "number": unit.number, "band": unit.band, "engine": ENGINE}
+
+
+def unit_of(message: Mapping[str, Any]) -> Unit:
+    """The unit of a message.
+
+    Raises:
+        KeyError, TypeError: it is not one of `message_of`.
+    """
+    unit = Unit(message["job"], message["number"], message["band"])
+    if [type(value) for value in (unit.job_id, unit.number, unit.band)] != [str, int, int]:
+        raise TypeError(f"no unit: {message!r:.200}")
+    return unit
+
+
+def celery_app(settings: Settings) -> Celery:
+    """Celery, set up so that a unit is done again wherever it is lost, and what ends workers goes to `DEAD`."""
+    app = Celery("conicoid", broker=settings.broker_url, set_as_current=False)
+    app.conf.update(
+        accept_content=["json"],
+        task_serializer="json",
+        task_ignore_result=True,
+        # A unit is acknowledged once the store has it; one whose worker ends is delivered again.
+        task_acks_late=True,
+        task_reject_on_worker_lost=True,
+        task_acks_on_timeout=False,
+        task_time_limit=ASTRAY_S,
+        worker_prefetch_multiplier=1,
+        worker_cancel_long_running_tasks_on_connection_loss=True,
+        # Quorum queues on at least one disk before `send` returns.
+        task_default_queue_type="quorum",
+        task_queues=list(QUEUES.values()),
+        task_default_queue=queue_name("normal"),
+        broker_transport_options={"confirm_publish": True, "read_timeout": 30, "write_timeout": 30},
+        broker_connection_timeout=CONNECT_S,
+        broker_heartbeat=HEARTBEAT_S,
+        broker_connection_retry_on_startup=True,
+        broker_connection_max_retries=None,
+        # Neither remote control nor events: the store says how everything is.
+        worker_enable_remote_control=False,
+        worker_send_task_events=False,
+        worker_consumer="conicoid_service.farm.worker:UnitConsumer",
+        worker_hijack_root_logger=False,
+        worker_redirect_stdouts=False,
+    )
+    return app

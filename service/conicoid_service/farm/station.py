@@ -1,0 +1,85 @@
+"""What a child of a worker renders with: the store, one render process, and a thread for their event loop."""
+
+import asyncio
+import logging
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+from conicoid_service.entity_tags import ENGINE
+from conicoid_service.errors import StoreError
+from conicoid_service.farm.queues import unit_of
+from conicoid_service.farm.steward import SILENCE_MS
+from conicoid_service.gallery import Gallery
+from conicoid_service.images import Images
+from conicoid_service.jobs.clock import now_ms
+from conicoid_service.jobs.executor import Executor
+from conicoid_service.jobs.near import Near
+from conicoid_service.jobs.painter import Painter
+from conicoid_service.jobs.storage import RETRY_S, Storage
+from conicoid_service.pipeline import Pipeline
+from conicoid_service.settings import Settings
+
+_REFUSED_MS: Final = 5_000
+
+logger = logging.getLogger(__name__)
+
+
+class Station:
+    """Made in the process that uses it, after any fork; for one unit at a time."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._loop = asyncio.new_event_loop()
+        self._pipeline = Pipeline(settings)
+        self._pipeline.start(documents=False)
+        self._storage: Storage | None = None
+        self._executor: Executor | None = None
+        threading.Thread(target=self._loop.run_forever, name="station", daemon=True).start()
+
+    def execute(self, message: Mapping[str, Any], *, redelivered: bool) -> str:
+        """Render the unit of a message; how it went: `done`, `dropped` because nobody wants it, `refused`.
+
+        Args:
+            redelivered: whether the broker knows that whoever had it before is gone.
+        """
+        return asyncio.run_coroutine_threadsafe(self._execute(message, redelivered), self._loop).result()
+
+    def close(self) -> None:
+        """End the render process and close the store."""
+        asyncio.run_coroutine_threadsafe(self._pipeline.stop(), self._loop).result()
+        if self._storage is not None:
+            self._storage.close()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+
+    async def _execute(self, message: Mapping[str, Any], redelivered: bool) -> str:
+        unit = unit_of(message)
+        storage, executor = await self._open()
+        now = now_ms()
+        claim = await storage.insist(
+            storage.work.take, unit, now, lost_before_ms=now if redelivered else now - SILENCE_MS
+        )
+        if claim is None:
+            return "dropped"
+        if message["engine"] != ENGINE:
+            logger.error("a unit of another engine (%s) is refused: this is %s", message["engine"], ENGINE)
+            await storage.insist(storage.work.release, claim, not_before_ms=now_ms() + _REFUSED_MS, counts=False)
+            return "refused"
+        await executor.execute(claim)
+        return "done"
+
+    async def _open(self) -> tuple[Storage, Executor]:
+        """The store, opened when the first unit comes, however long that takes."""
+        while self._storage is None or self._executor is None:
+            try:
+                self._storage = await asyncio.to_thread(Storage, self._settings, migrate=False)
+            except StoreError as error:
+                logger.warning("%s", error)
+                await asyncio.sleep(RETRY_S)
+                continue
+            self._storage.quadrics = Near(self._storage.quadrics, self._settings.kept_limit)
+            gallery = Gallery(self._pipeline, Images(0))
+            self._executor = Executor(self._storage, Painter(self._storage, self._pipeline, gallery))
+        return self._storage, self._executor

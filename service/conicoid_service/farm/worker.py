@@ -1,0 +1,97 @@
+"""`conicoid worker`: Celery, whose children each render one unit at a time."""
+
+import logging
+import os
+import socket
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from celery import Task, signals
+from celery.worker import state
+from celery.worker.consumer import Consumer
+from celery.worker.request import Request
+
+from conicoid_service.cpus import usable_cpus
+from conicoid_service.farm.queues import QUEUES, TASK, celery_app
+from conicoid_service.farm.station import Station
+from conicoid_service.farm.watch import Watch
+from conicoid_service.jobs.records import Priority
+from conicoid_service.settings import SECRETS, Settings, variable
+
+logger = logging.getLogger(__name__)
+
+
+class UnitConsumer(Consumer):
+    """Celery's consumer without the queues for delayed messages, of which there are none."""
+
+    class Blueprint(Consumer.Blueprint):
+        """What it is made of."""
+
+        default_steps: Final = [step for step in Consumer.Blueprint.default_steps if "delayed_delivery" not in step]
+
+
+class UnitTask(Task):
+    """Renders the units that one child of the worker gets, on a station that is made with the first."""
+
+    name = TASK
+    Request = "conicoid_service.farm.worker:UnitRequest"
+    settings: Settings
+    watch: Watch
+    station: Station | None = None
+
+    def run(self, **message: Any) -> str:
+        """Render the unit of a message; see `Station.execute`."""
+        if UnitTask.station is None:
+            UnitTask.station = Station(self.settings)
+        redelivered = bool(self.request.delivery_info["redelivered"])
+        return UnitTask.station.execute(message, redelivered=redelivered)
+
+
+class UnitRequest(Request):
+    """A delivered unit, as the worker's first process sees it."""
+
+    def on_success(self, failed__retval__runtime: tuple[bool, Any, float], **kwargs: Any) -> None:
+        """Count it; a worker that cannot render what is asked ends, so that somebody looks at it."""
+        failed, outcome, seconds = failed__retval__runtime
+        self.task.watch.count("failed" if failed else outcome, seconds)
+        if not failed and outcome == "refused":
+            state.should_stop = os.EX_CONFIG
+        super().on_success(failed__retval__runtime, **kwargs)
+
+
+def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
+    """Render what the farm's API sends, until SIGTERM or SIGINT; the units in hand are ended.
+
+    Args:
+        settings: of the farm.
+        queues: priorities of the units that this worker takes.
+        processes: how many units are rendered at a time, each with its share of the CPUs.
+    Returns:
+        The exit status: 0 after an orderly end.
+    """
+    for name in SECRETS:
+        os.environ.pop(variable(name), None)  # no child needs it
+    threads = settings.threads or max(1, usable_cpus() // processes)
+    app = celery_app(settings)
+    UnitTask.settings = replace(settings, render_processes=1, threads=threads)
+    UnitTask.watch = Watch(settings.worker_port)
+    app.register_task(UnitTask())
+    signals.worker_ready.connect(UnitTask.watch.follow, weak=False)
+    signals.worker_process_shutdown.connect(_close_station, weak=False)
+    worker = app.Worker(
+        hostname=f"conicoid-{os.getpid()}@{socket.gethostname()}",
+        concurrency=processes,
+        queues=[QUEUES[priority].name for priority in queues],
+        pool_cls="prefork",
+        without_gossip=True,
+        without_mingle=True,
+        without_heartbeat=True,
+    )
+    worker.start()
+    return int(worker.exitcode or 0)
+
+
+def _close_station(**_: Any) -> None:
+    if UnitTask.station is not None:
+        UnitTask.station.close()

@@ -1,0 +1,113 @@
+"""Files of the job store as objects of a bucket: S3, or another store that obstore speaks to."""
+
+import errno
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import timedelta
+from typing import Any, Final
+
+import obstore
+from obstore.exceptions import BaseError
+from obstore.store import ClientConfig, RetryConfig, from_url
+
+from conicoid_service.blob import CHUNK, Blob
+from conicoid_service.errors import StoreError
+
+# As old as this a file is written once more rather than trusted to stay, see `Files.touch`.
+_YOUNG_S: Final = 1800.0
+_CLIENT: Final[ClientConfig] = {"connect_timeout": "5s", "timeout": "60s"}
+_RETRY: Final[RetryConfig] = {"max_retries": 3, "retry_timeout": timedelta(seconds=20)}
+
+
+class Bucket:
+    """`jobs.files.Files` below a prefix of a bucket.
+
+    Where the store is and how it is entered is the usual variables' to say: `AWS_ENDPOINT_URL`, `AWS_ACCESS_KEY_ID`...
+
+    Args:
+        url: `s3://bucket/prefix`, `gs://...`, `az://...`.
+        kind: what comes behind the prefix.
+    Raises:
+        StoreError: the URL or the variables do not name a store.
+    """
+
+    def __init__(self, url: str, kind: str) -> None:
+        try:
+            self._store: Any = from_url(f"{url.rstrip('/')}/{kind}", client_options=_CLIENT, retry_config=_RETRY)
+        except (BaseError, ValueError) as error:
+            raise StoreError(f"{url}: is no object store that can be used ({_reason(error)})") from None
+
+    def write(self, name: str, blob: Blob) -> None:
+        """As `Files.write`: an object is there as a whole, or not."""
+        with blob.shared() as own, _as_os_error():
+            own.file.seek(0)
+            obstore.put(self._store, _key(name), own.file)
+
+    def open(self, name: str) -> Blob | None:
+        """As `Files.open`: a copy in memory."""
+        blob = Blob()
+        try:
+            with _as_os_error():
+                for chunk in obstore.get(self._store, _key(name)).stream(min_chunk_size=CHUNK):
+                    blob.append(memoryview(chunk))
+        except BaseException as error:
+            blob.close()
+            if isinstance(error, FileNotFoundError):
+                return None
+            raise
+        return blob
+
+    def remove(self, name: str) -> None:
+        """As `Files.remove`."""
+        try:
+            with _as_os_error():
+                obstore.delete(self._store, _key(name))
+        except FileNotFoundError:
+            pass
+
+    def touch(self, name: str) -> bool:
+        """As `Files.touch`."""
+        try:
+            with _as_os_error():
+                return time.time() - obstore.head(self._store, _key(name))["last_modified"].timestamp() < _YOUNG_S
+        except FileNotFoundError:
+            return False
+
+    def names(self, older_than_ms: int) -> Iterator[str]:
+        """As `Files.names`; a thousand for each request to the store."""
+        with _as_os_error():
+            for some in obstore.list(self._store):
+                for one in some:
+                    if one["last_modified"].timestamp() * 1e3 < older_than_ms:
+                        yield one["path"].rpartition("/")[2]
+
+    def sweep(self, older_than_ms: int) -> None:
+        """Nothing: what is half written cannot be seen, and a rule of the bucket ends it."""
+
+    def link(self, name: str, seconds: float) -> str | None:
+        """A signed URL, where the store knows them."""
+        try:
+            return str(obstore.sign(self._store, "GET", _key(name), timedelta(seconds=seconds)))
+        except (BaseError, TypeError):
+            return None
+
+
+def _key(name: str) -> str:
+    return f"{name[:2]}/{name}"
+
+
+@contextmanager
+def _as_os_error() -> Iterator[None]:
+    """Errors of the store as those that a disk has, without the URLs that they repeat."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise
+    except BaseError as error:
+        raise OSError(errno.EIO, f"the object store: {_reason(error)}") from error
+
+
+def _reason(error: Exception) -> str:
+    """The first line of an error's message."""
+    return str(error).strip().partition("\n")[0][:200]

@@ -1,0 +1,161 @@
+"""Everything of the job store that outlives a server, and the threads that work on it."""
+
+import asyncio
+import errno
+import logging
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, Final, ParamSpec, TypeVar
+
+from sqlalchemy.exc import DBAPIError
+
+from conicoid_service.blob import Blob
+from conicoid_service.errors import StorageError, StoreError
+from conicoid_service.images import Image
+from conicoid_service.jobs.database import Database, refuses
+from conicoid_service.jobs.files import Files, files_at
+from conicoid_service.jobs.folder import Folder
+from conicoid_service.jobs.holder import Holder, Named
+from conicoid_service.jobs.image_shelf import ImageShelf
+from conicoid_service.jobs.leadership import Leadership
+from conicoid_service.jobs.outbox import Outbox
+from conicoid_service.jobs.store import JobStore
+from conicoid_service.jobs.upkeep import Upkeep
+from conicoid_service.jobs.work import Work
+from conicoid_service.settings import Settings
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+RETRY_S: Final = 1.0
+_THREADS: Final = 16  # a step of a farm's may wait for a network
+_REFUSALS: Final = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO, errno.EMFILE}
+
+logger = logging.getLogger(__name__)
+
+
+class Storage:
+    """The job store, opened: a data folder with a database and files in it, or a farm's database and object store.
+
+    Its steps are made on threads, on one for SQLite.
+
+    Args:
+        settings: say where it is.
+        migrate: as in `Database`.
+
+    Attributes:
+        trouble: why what was last written was refused; None if it was taken.
+    Raises:
+        StoreError: it cannot be opened.
+    """
+
+    def __init__(self, settings: Settings, *, migrate: bool = True) -> None:
+        lifetime_ms, place = round(settings.result_lifetime_s * 1e3), settings.object_store
+        if settings.farm:
+            self.images: Files = files_at(place, "images")
+            self.quadrics: Files = files_at(place, "quadrics")
+            self.holder: Holder | Named = Named()
+            self._database = Database(settings.database_url, migrate=migrate)
+        else:
+            self.images, self.quadrics, self.holder = _folders(settings.data_dir)
+            try:
+                self._database = Database(settings.data_dir / "jobs.sqlite")
+            except StoreError:
+                self.holder.close()
+                raise
+        self.jobs = JobStore(self._database, lifetime_ms, settings.owner_frame_limit, settings.band_pixels)
+        self.work = Work(self._database, self.holder.name, lifetime_ms)
+        self.upkeep = Upkeep(self._database)
+        self.outbox = Outbox(self._database, lifetime_ms)
+        self.leadership = Leadership(self._database)
+        self.shelf = ImageShelf(self.images, self.upkeep)
+        self.trouble: str | None = None
+        self._threads = ThreadPoolExecutor(_THREADS if settings.farm else 1, thread_name_prefix="job-store")
+
+    @property
+    def full(self) -> bool:
+        """Whether the disk needs room; a server that is away needs none."""
+        return self.trouble is not None and isinstance(self.holder, Holder)
+
+    async def do(self, step: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Have a thread take a step.
+
+        Raises:
+            StorageError: the disk or a server refuses; the same step may succeed later.
+        """
+        working = self._threads.submit(step, *args, **kwargs)
+        try:
+            return await asyncio.wrap_future(working)
+        except asyncio.CancelledError:
+            working.add_done_callback(_close_files)  # nobody will
+            raise
+        except (DBAPIError, OSError) as error:
+            self.trouble = _refusal(error)
+            if self.trouble is None:
+                raise
+            raise StorageError(f"the job store does not take it ({self.trouble}); try again later") from error
+
+    async def insist(self, step: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Have a thread take a step, however long it is refused."""
+        while True:
+            try:
+                return await self.do(step, *args, **kwargs)
+            except StorageError as error:
+                logger.warning("%s", error)
+                await asyncio.sleep(RETRY_S)
+
+    def check(self) -> None:
+        """Write and remove a small file.
+
+        Raises:
+            OSError: it is not taken.
+        """
+        name = f"check-{self.holder.name}"
+        with Blob.of(b"conicoid\n") as blob:
+            self.images.write(name, blob)
+        self.images.remove(name)
+        self.trouble = None
+
+    def remove_quadrics(self, older_than_ms: int) -> None:
+        """Remove the quadrics that no job needs."""
+        needed = self.upkeep.needed_quadrics()
+        for name in list(self.quadrics.names(older_than_ms)):
+            if name not in needed:
+                self.quadrics.remove(name)
+
+    def close(self) -> None:
+        """End the threads and give everything up."""
+        self._threads.shutdown()
+        self.leadership.resign()
+        self._database.close()
+        self.holder.close()
+
+
+def _close_files(done: "Future[Any]") -> None:
+    """Close the files that a step opened."""
+    if done.cancelled() or done.exception() is not None:
+        return
+    result = done.result()
+    for one in result if isinstance(result, tuple) else (result,):
+        if isinstance(one, Blob):
+            one.close()
+        elif isinstance(one, Image):
+            one.blob.close()
+
+
+def _folders(root: Path) -> tuple[Folder, Folder, Holder]:
+    try:
+        root.mkdir(mode=0o700, parents=True, exist_ok=True)
+        return Folder(root / "images"), Folder(root / "quadrics"), Holder(root / "holders")
+    except OSError as error:
+        raise StoreError(
+            f"{root}: jobs cannot be kept here ({error.strerror}); give a folder that can be written to as `data_dir`"
+        ) from None
+
+
+def _refusal(error: DBAPIError | OSError) -> str | None:
+    """Why something is refused, without paths; None if the error is another one."""
+    if isinstance(error, OSError):
+        return error.strerror if error.errno in _REFUSALS else None
+    return " ".join(str(error.orig).split()) if refuses(error) else None
