@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from conicoid.bins import TILE, Binning
 from conicoid.cast import Caster
+from conicoid.data_window import tight_window
 from conicoid.device import describe, find_device
 from conicoid.extent import Model, model_of
 from conicoid.memory import Queue
@@ -147,10 +148,9 @@ def _stacked(upper: Frame, lower: Frame) -> Frame:
 def _tighten(
     planes: dict[str, NDArray[Any]], window: tuple[int, int, int, int]
 ) -> tuple[dict[str, NDArray[Any]], tuple[int, int, int, int]]:
-    """The bounding box of the hits; the window's top left pixel where nothing is hit."""
+    """The part of the planes that the hits take, and its window."""
     x0, y0 = window[:2]
-    columns, rows = np.flatnonzero(planes["A"].any(axis=0)), np.flatnonzero(planes["A"].any(axis=1))
-    left, right = (int(columns[0]), int(columns[-1]) + 1) if len(columns) else (0, 1)
-    top, bottom = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 1)
-    cut = {name: np.ascontiguousarray(plane[top:bottom, left:right]) for name, plane in planes.items()}
-    return cut, (x0 + left, y0 + top, x0 + right, y0 + bottom)
+    rows, columns = np.any(planes["A"], axis=1), np.any(planes["A"], axis=0)
+    left, top, right, bottom = tight = tight_window(window, rows, columns)
+    part = slice(top - y0, bottom - y0), slice(left - x0, right - x0)
+    return {name: np.ascontiguousarray(plane[part]) for name, plane in planes.items()}, tight

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:  # a cut is made where neither pixels nor cameras are
-    from conicoid.scene import Camera, Output
+    from conicoid.scene import Camera, Output, Precision
 
 Window = tuple[int, int, int, int]
 
@@ -12,11 +12,16 @@ Window = tuple[int, int, int, int]
 MOST_BANDS: Final = 128
 
 
-def band_count(crop: Window, band_pixels: int) -> int:
+def band_count(crop: Window, precision: "Precision", band_pixels: int) -> int:
     """How many bands a frame is cut into so that none has more than `band_pixels` pixels.
 
-    They have more where one row does, or where that takes more than `MOST_BANDS`.
+    They have more where one row does, or where that takes more than `MOST_BANDS`. Frames that are not `exact` stay
+    whole: their pixels may depend on what else is in the window. `float32` casts in binary64 where it sees a quadric
+    from over 128 times its extent (`conicoid.cast`), and set-up in binary64 takes another way for quadrics that the
+    window cuts (`whole_ellipses` in kernels/simple_forms.h).
     """
+    if precision != "exact":
+        return 1
     x0, y0, x1, y1 = crop
     rows = max(band_pixels // (x1 - x0), 1)
     return min(-(-(y1 - y0) // rows), MOST_BANDS)
@@ -33,8 +38,7 @@ def band_view(camera: "Camera", output: "Output", crop: Window) -> "tuple[Camera
     """What the part `crop` of a frame is rendered with, so that joining finds everything that the frame's file needs.
 
     Always the whole window, and the mask where the frame is cut to its hits; normals that are rounded only once. Zip,
-    whatever the frame has: of 17 million pixels of a protein in nine planes it makes 114 MB of 604 in a second more,
-    and it tells damaged bytes from sound ones.
+    whatever the frame has: of 17 million pixels of a protein in nine planes it makes 114 MB of 604 in a second more.
     """
     mask = ("A",) if output.data_window == "tight" and "A" not in output.channels else ()
     whole = replace(

@@ -17,7 +17,7 @@ from conicoid_service.blob import Blob
 
 Message = dict[str, Any]
 
-MAX_BLOBS = 4
+MAX_BLOBS = 253  # in one message, which Linux allows
 _LENGTH = struct.Struct("!I")
 
 

@@ -184,6 +184,12 @@ class StorageError(ServiceError):
     retry_after_s = 10
 
 
+class BandsError(ServiceError):
+    """Bands are damaged, or are not those of the frame that they are to be joined to."""
+
+    code = "bands"
+
+
 class NoJobsError(ServiceError):
     """This service has no job store: the command runs it for one render."""
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from conicoid import __version__
 from conicoid.canonical import camera_document
-from conicoid.scene import Output, Scene
+from conicoid.scene import Camera, Output, Scene
 from conicoid_service.camera_matrices import world_to_camera, world_to_ndc
 
 if TYPE_CHECKING:  # the engine loads OpenCL, which writing an image does not need
@@ -24,6 +24,9 @@ COMPRESSION: Final = {
     "piz": OpenEXR.PIZ_COMPRESSION,
     "zstd": OpenEXR.ZSTD_COMPRESSION,
 }
+Planes = dict[str, NDArray[Any]]
+Window = tuple[int, int, int, int]
+
 DEPTH_MEANING: Final = "Z, ZBack: planar, along the viewing direction; T: distance along the ray"
 
 
@@ -35,33 +38,39 @@ def set_threads(count: int) -> None:
 def encode(frame: "Frame", scene: Scene, scene_hash: str) -> bytes:
     """The image as bytes; see `write`."""
     stream = io.BytesIO()
-    write(stream, frame, scene, scene_hash)
+    write(stream, frame.planes, frame.window, scene.camera, scene.output, scene_hash)
     return stream.getvalue()
 
 
-def write(stream: "BinaryIO | io.BytesIO", frame: "Frame", scene: Scene, scene_hash: str) -> None:
+def write(
+    stream: "BinaryIO | io.BytesIO", planes: Planes, window: Window, camera: Camera, output: Output, scene_hash: str
+) -> None:
     """Write the image to an empty, seekable stream: scan lines, one part, no date.
 
     Args:
         stream: where the bytes go.
-        frame: its planes are used in place; FLOAT, `id` as UINT, N as HALF where `half_normals` says so.
-        scene: the camera and output that the frame was made with, for the header.
+        planes: EXR channel name to a C-contiguous (h, w) array that is used in place: float32, for `id` uint32. N is
+            written as HALF where `half_normals` says so, and may be rounded already.
+        window: (x0, y0, x1, y1), half-open, where the planes lie in the whole image.
+        camera: what the planes were made with, for the header.
+        output: likewise.
         scene_hash: hex digest, see `conicoid.canonical.scene_hash`.
     """
     # OpenEXR.File puts its own objects into the dictionaries that it is given: both are made for it.
-    header = _header(frame, scene, scene_hash)
-    OpenEXR.File(header, _channels(frame, scene.output)).write(stream)
+    header = _header(window, camera, output, scene_hash)
+    OpenEXR.File(header, _channels(planes, output)).write(stream)
 
 
-def _channels(frame: "Frame", output: Output) -> dict[str, NDArray[Any]]:
+def _channels(planes: Planes, output: Output) -> Planes:
     if not output.half_normals:
-        return dict(frame.planes)
-    return {name: plane.astype(np.float16) if name.startswith("N.") else plane for name, plane in frame.planes.items()}
+        return dict(planes)
+    return {
+        name: plane.astype(np.float16, copy=False) if name.startswith("N.") else plane for name, plane in planes.items()
+    }
 
 
-def _header(frame: "Frame", scene: Scene, scene_hash: str) -> dict[str, Any]:
-    camera, output = scene.camera, scene.output
-    x0, y0, x1, y1 = frame.window
+def _header(window: Window, camera: Camera, output: Output, scene_hash: str) -> dict[str, Any]:
+    x0, y0, x1, y1 = window
     return {
         "type": OpenEXR.scanlineimage,
         "compression": COMPRESSION[output.compression],

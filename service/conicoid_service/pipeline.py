@@ -175,11 +175,34 @@ class Pipeline:
 
     async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:
         """The EXR image of a scene. Takes the scene over; the caller closes the image."""
-        message = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash, "stored": read.stored}
-        ids = context.ids()
-        answer = await self._renders.call(message | ids, [read.view, read.quadrics], owner=owner, batch=batch)
+        hashes = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash}
+        message = {"do": "render", **hashes, "stored": read.stored, **context.ids()}
+        answer = await self._renders.call(message, [read.view, read.quadrics], owner=owner, batch=batch)
         escalated = answer.message["refined"], answer.message["settled"]
         return Image(answer.blobs[0], read.scene_hash, *escalated), self._timings("render", answer)
+
+    async def join(
+        self,
+        view: Blob,
+        bands: Sequence[Blob],
+        scene_hash: str,
+        quadrics_hash: str,
+        *,
+        escalated: tuple[int, int] = (0, 0),
+        owner: str = "",
+        batch: bool = False,
+    ) -> tuple[Image, Timings]:
+        """The EXR image of a frame from its bands, see `joining`. Takes the blobs over; the caller closes the image.
+
+        The view and both hashes are the frame's own, the bands EXR files from the top; `escalated` is `refined` and
+        `settled` of all bands together, which no file says.
+
+        Raises:
+            ReportedError: `bands`: they are damaged or not the frame's.
+        """
+        message = {"do": "join", "quadrics_hash": quadrics_hash, **context.ids()}
+        answer = await self._renders.call(message, [view, *bands], owner=owner, batch=batch)
+        return Image(answer.blobs[0], scene_hash, *escalated), self._timings("render", answer)
 
     async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
         message = {"do": do, "limits": self._limits, "boundary": body.boundary}

@@ -39,6 +39,7 @@ STATUS: Final[dict[str, tuple[int, str]]] = {
     "job-limit": (429, "Too many frames"),
     "queue-full": (429, "Too many requests"),
     "quadrics-file": (500, "Stored quadrics damaged"),
+    "bands": (500, "Bands make no frame"),
     "quota": (429, "Too many requests at once"),
     "head-limit": (431, "Request head too long"),
     "error": (500, "Internal error"),

@@ -3,12 +3,13 @@
 import os
 import sys
 import time
+from contextlib import ExitStack
 
 from conicoid.canonical import quadrics_hash
 from conicoid.errors import QuadricsFileError
 from conicoid.quadrics_file import quadrics_from
 from conicoid.scene import Quadrics, Scene
-from conicoid_service import exr
+from conicoid_service import exr, joining
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.kernel_cache import take_slot
@@ -57,6 +58,9 @@ def start(configuration: Message) -> tuple[Handler, Message]:
     renderer = Renderer(configuration["device"])
     last = LastQuadrics()
 
+    def handle(message: Message, blobs: list[Blob]) -> Reply:
+        return join(message, blobs) if message["do"] == "join" else render(message, blobs)
+
     def render(message: Message, blobs: list[Blob]) -> Reply:
         view, quadrics = blobs
         stored = message["stored"]
@@ -65,14 +69,26 @@ def start(configuration: Message) -> tuple[Handler, Message]:
         started = time.perf_counter()
         image = Blob()
         with image.buffered() as stream:
-            exr.write(stream, frame, scene, message["scene_hash"])
+            exr.write(stream, frame.planes, frame.window, scene.camera, scene.output, message["scene_hash"])
         encode_ms = (time.perf_counter() - started) * 1e3
         timings = {"setup": frame.setup_ms, "cast": frame.cast_ms, "encode": encode_ms}
         x0, y0, x1, y1 = scene.camera.crop
         work = {"pixels": (x1 - x0) * (y1 - y0), "quadrics": len(scene.quadrics)}
         return {"timings_ms": timings, "refined": frame.refined, "settled": frame.settled, **work}, [image]
 
-    return render, {"device": renderer.device.as_dict(), "threads": threads}
+    return handle, {"device": renderer.device.as_dict(), "threads": threads}
+
+
+def join(message: Message, blobs: list[Blob]) -> Reply:
+    """The image of a frame from its bands, without OpenCL; the first blob is its view."""
+    started = time.perf_counter()
+    view, *bands = blobs
+    with ExitStack() as on_error, ExitStack() as streams:
+        image = on_error.enter_context(Blob())
+        files = [streams.enter_context(blob.buffered()) for blob in (image, *bands)]
+        joining.join(files[0], *view_from(view.read()), files[1:], message["quadrics_hash"])
+        on_error.pop_all()
+    return {"timings_ms": {"join": (time.perf_counter() - started) * 1e3}}, [image]
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from conicoid.scene import Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
+from conicoid_service.render_process import join
 from conicoid_service.views import view_from
 from conicoid_service.worker import Handler, Reply, serve
 from tests.service.scenes import frame
@@ -22,6 +23,8 @@ def start(_: Message) -> tuple[Handler, Message]:
 
 
 def handle(message: Message, blobs: list[Blob]) -> Reply:
+    if message["do"] == "join":
+        return join(message, blobs)
     view, quadrics = blobs
     scene = Scene(quadrics_from(quadrics.read()), *view_from(view.read()))
     words = scene.quadrics.name.get(0, "").split()
