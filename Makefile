@@ -8,7 +8,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree fuzz image load test-api test-chaos test-embree test-gappa test-intel test-package lock clean
+.PHONY: setup demo test check stress bench embree fuzz image load test-api test-chaos test-embree test-farm test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -23,7 +23,7 @@ demo: $(SETUP)
 	.venv/bin/conicoid render examples/lysozyme.json -o out/lysozyme.exr --preview out/lysozyme.png --verbose
 
 test: $(SETUP)
-	.venv/bin/pytest --ignore=tests/api --ignore=tests/chaos --ignore=tests/container --ignore=tests/embree --ignore=tests/gappa
+	.venv/bin/pytest --ignore=tests/api --ignore=tests/chaos --ignore=tests/container --ignore=tests/embree --ignore=tests/farm --ignore=tests/gappa
 
 check: $(SETUP)
 	.venv/bin/ruff format --check .
@@ -67,6 +67,10 @@ image:
 
 test-embree: $(SETUP) $(EMBREE)
 	.venv/bin/pytest tests/embree
+
+# Needs Debian's rabbitmq-server, postgresql and iproute2; as root, for networks that can be cut.
+test-farm: $(SETUP)
+	.venv/bin/pytest tests/farm
 
 # Needs Debian's gappa.
 test-gappa: $(SETUP)
