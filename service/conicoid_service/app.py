@@ -103,8 +103,8 @@ def create_app(
 async def _keep_jobs(app: FastAPI, storage: "Storage | None") -> None:
     """Begin to render what is in the job store."""
     # What it needs takes as long to load as a short render.
-    from conicoid_service.jobs.storage import Storage
     from conicoid_service.jobs.jobs import Jobs
+    from conicoid_service.jobs.storage import Storage
 
     state = app.state
     opened = storage if storage is not None else await asyncio.to_thread(Storage, state.settings)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 from conicoid_service.errors import SettingsError, StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
-from conicoid_service.settings import SECRETS, Settings, variable
+from conicoid_service.settings import Settings, forget_secrets
 from conicoid_service.telemetry.logs import LOG_FORMAT, configure
 
 if TYPE_CHECKING:
@@ -53,8 +53,7 @@ def serve(
     keep_freed_memory()
     os.environ[LOG_FORMAT] = settings.log_format
     configure(settings.log_format, log_level)
-    for name in SECRETS:
-        os.environ.pop(variable(name), None)  # no child needs it
+    forget_secrets()
     _allow_descriptors(settings.connection_limit + _OWN_DESCRIPTORS)
     pipeline = Pipeline(settings)
     pipeline.start()

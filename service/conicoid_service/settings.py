@@ -122,7 +122,13 @@ class Settings:
         return cls(**values)
 
 
-SECRETS: Final = tuple(one.name for one in fields(Settings) if one.metadata["secret"])
+_SECRETS: Final = tuple(one.name for one in fields(Settings) if one.metadata["secret"])
+
+
+def forget_secrets() -> None:
+    """Take what is secret out of the environment: no child needs it."""
+    for name in _SECRETS:
+        os.environ.pop(variable(name), None)
 
 
 def variable(name: str) -> str:

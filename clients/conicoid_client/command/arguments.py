@@ -8,6 +8,7 @@ from conicoid_client.command.numbers import pixels, port, samples
 
 _PRECISIONS = ("exact", "float64", "float32")
 _SAMPLES = 4000
+_CONFIG = "settings; variables win (default: $CONICOID_CONFIG)"
 _RUNNING_SERVER = "the service, as in http://127.0.0.1:8000 (default: $CONICOID_SERVER)"
 _SERVER = "a running service, as in http://127.0.0.1:8000 (default: $CONICOID_SERVER, else this process)"
 
@@ -32,7 +33,9 @@ def parser() -> argparse.ArgumentParser:
     serve = command("serve", "answer HTTP requests until interrupted")
     serve.add_argument("--host", default="127.0.0.1", help="address to listen on (default: %(default)s)")
     serve.add_argument("--port", default=8000, type=port, help="port to listen on, 0 for any (default: %(default)s)")
-    serve.add_argument("--config", metavar="FILE.toml", help="settings; variables win (default: $CONICOID_CONFIG)")
+    serve.add_argument("--config", metavar="FILE.toml", help=_CONFIG)
+
+    _add_worker(command("worker", "render what the API of a farm sends, until interrupted"))
 
     render = command("render", "render a scene to an OpenEXR file")
     add_scene(render)
@@ -85,6 +88,18 @@ def parser() -> argparse.ArgumentParser:
 
     add_bench(command("bench", "measure on this machine"))
     return whole
+
+
+def _add_worker(worker: argparse.ArgumentParser) -> None:
+    worker.add_argument(
+        "--processes",
+        type=samples,
+        metavar="N",
+        help="units rendered at a time (default: $CONICOID_RENDER_PROCESSES or 1)",
+    )
+    worker.add_argument("--queues", default="high,normal", metavar="NAMES", help="(default: %(default)s)")
+    worker.add_argument("--once", action="store_true", help="render one unit, if there is one, and end")
+    worker.add_argument("--config", metavar="FILE.toml", help=_CONFIG)
 
 
 class _Version(argparse.Action):

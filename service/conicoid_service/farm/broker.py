@@ -1,111 +1,88 @@
 """The API's connection to RabbitMQ: one, used by one thread, made again after every error."""
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import Any, Final
 
+from kombu import Connection
 from kombu.exceptions import KombuError
 
 from conicoid_service.errors import BrokerError
-from conicoid_service.farm.queues import CONNECT_S, DEAD, QUEUES, TASK, celery_app, message_of, unit_of
+from conicoid_service.farm.queues import DEAD, QUEUES, TASK, celery_app, connected, message_of, unit_of
 from conicoid_service.jobs.records import Priority, Unit
 from conicoid_service.settings import Settings
 
-_ANSWER_S: Final = 10.0
+_DEAD_AT_ONCE: Final = 100
 
 logger = logging.getLogger(__name__)
 
 
 class Broker:
-    """Sends units and looks at the queues. Every method may raise BrokerError, after which the next one reconnects."""
+    """Sends units and looks at the queues. Whatever raises BrokerError, the next call connects again."""
 
     def __init__(self, settings: Settings) -> None:
+        self._settings = settings
         self._app = celery_app(settings)
-        self._connection: Any = None
-        self._producer: Any = None
+        self._open = ExitStack()
+        self._connection: Connection | None = None
 
     def send(self, priority: Priority, units: Iterable[Unit]) -> int:
-        """Send units, each on the broker's disk before the next; how many were."""
+        """Send units, each safe at the broker before the next; how many were, fewer if it is lost meanwhile."""
         queue, count = QUEUES[priority], 0
         try:
-            self._connect()
-            for unit in units:
-                self._app.send_task(
-                    TASK,
-                    kwargs=message_of(unit),
-                    producer=self._producer,
-                    exchange=queue.exchange,
-                    routing_key=queue.routing_key,
-                    retry=False,
-                    declare=[],
-                )
-                count += 1
-        except self._errors() as error:
-            self._lost(error)
+            with self._using() as connection:
+                producer = self._app.amqp.Producer(connection.default_channel, auto_declare=False)
+                for unit in units:
+                    self._app.send_task(
+                        TASK,
+                        kwargs=message_of(unit),
+                        producer=producer,
+                        exchange=queue.exchange,
+                        routing_key=queue.routing_key,
+                        retry=False,
+                    )
+                    count += 1
+        except BrokerError as error:
+            logger.warning("%s", error)
         return count
 
     def depth(self, priority: Priority) -> int:
         """How many units of a priority wait in the queue, apart from those that workers have."""
-        try:
-            self._connect()
-            return int(QUEUES[priority].bind(self._connection.default_channel).queue_declare().message_count)
-        except self._errors() as error:
-            self._lost(error)
-            raise BrokerError(_reason(error)) from error
+        with self._using() as connection:
+            return int(QUEUES[priority].bind(connection.default_channel).queue_declare().message_count)
 
     def dead(self) -> list[tuple[Unit | None, Any]]:
         """Some of the units that were delivered too often, with what `forget` takes; None is no unit of ours."""
         found: list[tuple[Unit | None, Any]] = []
-        try:
-            self._connect()
-            queue = DEAD.bind(self._connection.default_channel)
-            while len(found) < 100 and (message := queue.get(accept=["json"])) is not None:
+        with self._using() as connection:
+            queue = DEAD.bind(connection.default_channel)
+            while len(found) < _DEAD_AT_ONCE and (message := queue.get(accept=["json"])) is not None:
                 found.append((_unit(message), message))
-        except self._errors() as error:
-            self._lost(error)
-            raise BrokerError(_reason(error)) from error
         return found
 
     def forget(self, message: Any) -> None:
         """Take a dead unit out of its queue, where it comes back otherwise."""
-        try:
+        with self._using():
             message.ack()
-        except self._errors() as error:
-            self._lost(error)
-            raise BrokerError(_reason(error)) from error
 
     def close(self) -> None:
         """Give the connection up."""
-        connection, self._connection = self._connection, None
-        if connection is not None:
-            connection.collect(socket_timeout=1)
+        self._connection = None
+        self._open.close()
 
-    @property
-    def connected(self) -> bool:
-        """Whether the last that was done succeeded."""
-        return self._connection is not None
-
-    def _connect(self) -> None:
-        if self._connection is None:
-            connection = self._app.connection_for_write(heartbeat=0, connect_timeout=CONNECT_S)
-            connection.transport_options |= {"read_timeout": _ANSWER_S, "write_timeout": _ANSWER_S}
-            try:
-                connection.connect()
-                for queue in (*QUEUES.values(), DEAD):
-                    queue.bind(connection.default_channel).declare()
-                self._producer = self._app.amqp.Producer(connection.default_channel, auto_declare=False)
-            except BaseException:
-                connection.collect(socket_timeout=1)
+    @contextmanager
+    def _using(self) -> Iterator[Connection]:
+        try:
+            if self._connection is None:
+                self._connection = self._open.enter_context(connected(self._settings))
+            yield self._connection
+        except Exception as error:
+            self._connection = None
+            opened, self._open = self._open, ExitStack()
+            # The connection's own context makes a BrokerError of what is the broker's fault.
+            if not opened.__exit__(type(error), error, error.__traceback__):
                 raise
-            self._connection = connection
-
-    def _errors(self) -> tuple[type[Exception], ...]:
-        transport = self._app.connection_for_write()
-        return (KombuError, OSError, *transport.connection_errors, *transport.channel_errors)
-
-    def _lost(self, error: Exception) -> None:
-        logger.warning("the broker is lost (%s)", _reason(error))
-        self.close()
 
 
 def _unit(message: Any) -> Unit | None:
@@ -115,7 +92,3 @@ def _unit(message: Any) -> Unit | None:
     except (ValueError, KeyError, TypeError, KombuError):
         logger.exception("the dead letters have one that is no unit")
         return None
-
-
-def _reason(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"[:200]

@@ -1,13 +1,16 @@
 """What the API and its workers agree upon: queues, messages, and how Celery treats them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Final
 
 from celery import Celery
-from kombu import Exchange, Queue
+from kombu import Connection, Exchange, Queue
+from kombu.exceptions import KombuError
 
 from conicoid import __version__
 from conicoid_service.entity_tags import ENGINE
+from conicoid_service.errors import BrokerError
 from conicoid_service.jobs.records import PRIORITIES, Priority, Unit
 from conicoid_service.settings import Settings
 
@@ -20,6 +23,7 @@ HEARTBEAT_S: Final = 10
 # which RabbitMQ takes a message back.
 ASTRAY_S: Final = 900
 
+_ANSWER_S: Final = 10.0
 _EXCHANGE: Final = Exchange("conicoid", "direct")
 
 DEAD: Final = Queue("conicoid.dead", _EXCHANGE, "conicoid.dead", queue_arguments={"x-queue-type": "quorum"})
@@ -61,6 +65,26 @@ def unit_of(message: Mapping[str, Any]) -> Unit:
     if [type(value) for value in (unit.job_id, unit.number, unit.band)] != [str, int, int]:
         raise TypeError(f"no unit: {message!r:.200}")
     return unit
+
+
+@contextmanager
+def connected(settings: Settings) -> Iterator[Connection]:
+    """A connection to the broker, with the queues declared, on which no heartbeat needs to be sent.
+
+    Raises:
+        BrokerError: it cannot be had, or is lost while it is used.
+    """
+    connection = celery_app(settings).connection_for_write(heartbeat=0, connect_timeout=CONNECT_S)
+    connection.transport_options |= {"read_timeout": _ANSWER_S, "write_timeout": _ANSWER_S}
+    try:
+        connection.connect()
+        for queue in (*QUEUES.values(), DEAD):
+            queue.bind(connection.default_channel).declare()
+        yield connection
+    except (KombuError, OSError, *connection.connection_errors, *connection.channel_errors) as error:
+        raise BrokerError(f"the broker: {type(error).__name__}: {error}"[:300]) from error
+    finally:
+        connection.collect(socket_timeout=1)
 
 
 def celery_app(settings: Settings) -> Celery:

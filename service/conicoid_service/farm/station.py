@@ -3,9 +3,7 @@
 import asyncio
 import logging
 import threading
-import time
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, Final
 
 from conicoid_service.entity_tags import ENGINE
@@ -43,6 +41,7 @@ class Station:
         """Render the unit of a message; how it went: `done`, `dropped` because nobody wants it, `refused`.
 
         Args:
+            message: see `queues.message_of`.
             redelivered: whether the broker knows that whoever had it before is gone.
         """
         return asyncio.run_coroutine_threadsafe(self._execute(message, redelivered), self._loop).result()

@@ -97,9 +97,10 @@ class Steward:
         await self._bury()
         for priority, urgency in PRIORITIES.items():
             before = now_ms() - UNHEARD_MS
-            if not await self._with_broker(self._broker.depth, priority):
-                if lost := await self._storage.do(outbox.recall_sent, urgency, before):
-                    logger.warning("%d units that the broker has lost are sent again", lost)
+            if await self._with_broker(self._broker.depth, priority):
+                continue
+            if lost := await self._storage.do(outbox.recall_sent, urgency, before):
+                logger.warning("%d units that the broker has lost are sent again", lost)
 
     async def _bury(self) -> None:
         """Let frames fail that have ended their workers; one that was only unlucky is sent again."""

@@ -17,7 +17,7 @@ from conicoid_service.farm.queues import QUEUES, TASK, celery_app
 from conicoid_service.farm.station import Station
 from conicoid_service.farm.watch import Watch
 from conicoid_service.jobs.records import Priority
-from conicoid_service.settings import SECRETS, Settings, variable
+from conicoid_service.settings import Settings, forget_secrets
 
 logger = logging.getLogger(__name__)
 
@@ -70,8 +70,7 @@ def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
     Returns:
         The exit status: 0 after an orderly end.
     """
-    for name in SECRETS:
-        os.environ.pop(variable(name), None)  # no child needs it
+    forget_secrets()
     threads = settings.threads or max(1, usable_cpus() // processes)
     app = celery_app(settings)
     UnitTask.settings = replace(settings, render_processes=1, threads=threads)
@@ -87,6 +86,7 @@ def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
         without_gossip=True,
         without_mingle=True,
         without_heartbeat=True,
+        quiet=True,
     )
     worker.start()
     return int(worker.exitcode or 0)

@@ -1,23 +1,31 @@
 """Files of the job store as objects of a bucket: S3, or another store that obstore speaks to."""
 
 import errno
+import logging
+import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import timedelta
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import obstore
 from obstore.exceptions import BaseError
-from obstore.store import ClientConfig, RetryConfig, from_url
+from obstore.store import from_url
 
 from conicoid_service.blob import CHUNK, Blob
 from conicoid_service.errors import StoreError
 
+if TYPE_CHECKING:  # in its stubs alone
+    from obstore.store import ClientConfig, RetryConfig
+
 # As old as this a file is written once more rather than trusted to stay, see `Files.touch`.
 _YOUNG_S: Final = 1800.0
-_CLIENT: Final[ClientConfig] = {"connect_timeout": "5s", "timeout": "60s"}
-_RETRY: Final[RetryConfig] = {"max_retries": 3, "retry_timeout": timedelta(seconds=20)}
+_CONNECT_S: Final = 5
+_ANSWER_S: Final = 60
+_RETRY: "Final[RetryConfig]" = {"max_retries": 3, "retry_timeout": timedelta(seconds=20)}
+
+logger = logging.getLogger(__name__)
 
 
 class Bucket:
@@ -33,8 +41,11 @@ class Bucket:
     """
 
     def __init__(self, url: str, kind: str) -> None:
+        client: ClientConfig = {"connect_timeout": f"{_CONNECT_S}s", "timeout": f"{_ANSWER_S}s"}
+        if os.environ.get("AWS_ALLOW_HTTP", "").lower() in ("true", "1"):  # options given here hide this variable
+            client["allow_http"] = True
         try:
-            self._store: Any = from_url(f"{url.rstrip('/')}/{kind}", client_options=_CLIENT, retry_config=_RETRY)
+            self._store: Any = from_url(f"{url.rstrip('/')}/{kind}", client_options=client, retry_config=_RETRY)
         except (BaseError, ValueError) as error:
             raise StoreError(f"{url}: is no object store that can be used ({_reason(error)})") from None
 
@@ -99,13 +110,14 @@ def _key(name: str) -> str:
 
 @contextmanager
 def _as_os_error() -> Iterator[None]:
-    """Errors of the store as those that a disk has, without the URLs that they repeat."""
+    """Errors of the store as those that a disk has; what they say of URLs is for the log."""
     try:
         yield
     except FileNotFoundError:
         raise
     except BaseError as error:
-        raise OSError(errno.EIO, f"the object store: {_reason(error)}") from error
+        logger.warning("the object store: %s", _reason(error))
+        raise OSError(errno.EIO, "the object store fails") from error
 
 
 def _reason(error: Exception) -> str:

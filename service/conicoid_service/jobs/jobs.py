@@ -15,13 +15,13 @@ from conicoid_service.gallery import Gallery
 from conicoid_service.images import Image
 from conicoid_service.jobs.bell import Bell
 from conicoid_service.jobs.clock import now_ms
-from conicoid_service.jobs.storage import Storage
 from conicoid_service.jobs.executor import Executor
 from conicoid_service.jobs.image_shelf import sha256_of
 from conicoid_service.jobs.keeper import Keeper
 from conicoid_service.jobs.painter import Painter
 from conicoid_service.jobs.records import Frame, Job, State
 from conicoid_service.jobs.runner import Runner
+from conicoid_service.jobs.storage import Storage
 from conicoid_service.jobs.store import NewJob
 from conicoid_service.jobs.upkeep import Counted
 from conicoid_service.pipeline import Pipeline, Timings

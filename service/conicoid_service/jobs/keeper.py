@@ -42,11 +42,11 @@ class Keeper:
                 if isinstance(self._storage.holder, Holder):  # else it is the steward's
                     await self._reclaim(self._storage.holder)
                 if rounds % round(EVICT_S / RECLAIM_S) == 0:
-                    if await self._storage.do(self._storage.leadership.leads):
+                    leads = await self._storage.do(self._storage.leadership.leads)
+                    if leads:
                         await self._tidy()
                     await self._storage.do(self._storage.check)
-                if rounds % round(SWEEP_S / RECLAIM_S) == 0:
-                    if await self._storage.do(self._storage.leadership.leads):
+                    if leads and rounds % round(SWEEP_S / RECLAIM_S) == 0:
                         await self._sweep()
             except StorageError as error:
                 logger.warning("%s", error)

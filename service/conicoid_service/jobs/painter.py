@@ -55,12 +55,16 @@ class Painter:
             tags = await self._storage.do(self._storage.work.bands, claim)
             for number, tag in enumerate(tags, start=1):
                 bands.append(await self._band(replace(claim, band=number), tag, batch))
-            blobs = [band.blob.shared() for band in bands]
             joined, _ = await self._pipeline.join(
-                Blob.of(claim.view.encode()), blobs, claim.scene_hash, owner=claim.owner, batch=batch
+                Blob.of(claim.view.encode()),
+                [band.blob.shared() for band in bands],
+                claim.scene_hash,
+                claim.quadrics_hash,
+                escalated=(sum(band.refined for band in bands), sum(band.settled for band in bands)),
+                owner=claim.owner,
+                batch=batch,
             )
-            refined, settled = (sum(getattr(band, name) for band in bands) for name in ("refined", "settled"))
-            return replace(joined, refined=refined, settled=settled)
+            return joined
         finally:
             for band in bands:
                 band.blob.close()

@@ -141,9 +141,8 @@ class JobStore:
         """Rows of frames and their bands."""
         for number, line in enumerate(views):
             view = orjson.loads(line)
-            bands = band_count(view["camera"]["crop"], self._band_pixels)
-            if bands == 1:
-                bands = 0
+            bands = band_count(view["camera"]["crop"], view["output"]["precision"], self._band_pixels)
+            bands = bands if bands > 1 else 0
             row = {"job_id": job_id, "number": number, "state": "queued", "view": line.decode(),
                    "scene_hash": view["scene_hash"], "bands": bands}  # fmt: skip
             yield {**row, "band": 0, "bands_left": bands}

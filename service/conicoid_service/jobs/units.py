@@ -26,7 +26,7 @@ def owners_who_wait(connection: Connection, now_ms: int, *more: Any) -> list[str
 
 
 def waiting_units(connection: Connection, owner: str, now_ms: int, limit: int, *more: Any) -> list[Unit]:
-    """The first units of an owner that wait, those of urgent and then of old jobs first, which nobody else takes now."""
+    """The first units of an owner that wait, of urgent and then of old jobs first, which nobody else takes now."""
     query = (
         select(frames.c.job_id, frames.c.number, frames.c.band)
         .join_from(jobs, frames)
