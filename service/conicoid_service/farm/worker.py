@@ -3,8 +3,9 @@
 import logging
 import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Final
 
 from celery import Task, signals
@@ -51,13 +52,20 @@ class UnitTask(Task):
 class UnitRequest(Request):
     """A delivered unit, as the worker's first process sees it."""
 
-    def on_success(self, failed__retval__runtime: tuple[bool, Any, float], **kwargs: Any) -> None:
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        # Not overridden: Celery makes a subclass of this class, with a method of its own.
+        on_success: Callable[..., None] = super().__getattribute__("on_success")
+        self.on_success = partial(self._counted, on_success)
+
+    def _counted(self, on_success: Callable[..., None], answer: tuple[bool, Any, float], **kwargs: Any) -> None:
         """Count it; a worker that cannot render what is asked ends, so that somebody looks at it."""
-        failed, outcome, seconds = failed__retval__runtime
-        self.task.watch.count("failed" if failed else outcome, seconds)
-        if not failed and outcome == "refused":
+        failed, returned, seconds = answer
+        outcome = "failed" if failed else str(returned).strip("'")  # it comes as its `repr`
+        self.task.watch.count(outcome, seconds)
+        if outcome == "refused":
             state.should_stop = os.EX_CONFIG
-        super().on_success(failed__retval__runtime, **kwargs)
+        on_success(answer, **kwargs)
 
 
 def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
