@@ -32,9 +32,6 @@ class Part:
         return cls(frame, (index, count))
 
 
-WHOLE = Part()
-
-
 def read_document(text: bytes, arrays: dict[str, Any], part: Part, **limits: int) -> "Document | Batch":
     """The document, of which many cameras are allowed where a frame is named; the rest is as `conicoid.document`."""
     from conicoid.document import parse, parse_batch

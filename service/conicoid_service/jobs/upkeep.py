@@ -87,7 +87,9 @@ class Upkeep:
     def unknown_tags(self, tags: Sequence[str]) -> set[str]:
         """Those of some tags that no image has."""
         with self._database.reading() as connection:
-            return set(tags).difference(connection.execute(select(images.c.tag).where(images.c.tag.in_(tags))).scalars())
+            return set(tags).difference(
+                connection.execute(select(images.c.tag).where(images.c.tag.in_(tags))).scalars()
+            )
 
     def needed_quadrics(self) -> set[str]:
         """The hashes of the quadrics of all jobs and scenes.

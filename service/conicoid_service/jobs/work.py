@@ -44,6 +44,8 @@ class Work:
         """Take a unit that a broker delivered; None if it is not wanted any more, or somebody else renders it.
 
         Args:
+            unit: the unit.
+            now_ms: the time.
             lost_before_ms: whoever took it before that time, and has not said anything since, is gone.
         """
         gone = and_(frames.c.state == "running", frames.c.taken_ms < lost_before_ms)
@@ -54,7 +56,9 @@ class Work:
         this = [*at(unit), frames.c.bands_left == 0, *where]
         started = {"state": "running", "started_ms": func.coalesce(jobs.c.started_ms, now_ms)}
         connection.execute(
-            update(jobs).where(jobs.c.id == unit.job_id, jobs.c.state == "queued", exists().where(*this)).values(started)
+            update(jobs)
+            .where(jobs.c.id == unit.job_id, jobs.c.state == "queued", exists().where(*this))
+            .values(started)
         )
         taken = {"state": "running", "holder": self._holder, "attempts": frames.c.attempts + 1, "taken_ms": now_ms}
         if not connection.execute(update(frames).where(*this).values(taken)).rowcount:
@@ -116,7 +120,7 @@ class Work:
             return list(connection.execute(query).scalars())
 
     def _ours(self, claim: Claim) -> list[Any]:
-        return [frames.c.state == "running", frames.c.holder == self._holder]
+        return [*at(claim), frames.c.state == "running", frames.c.holder == self._holder]
 
 
 def _claim(connection: Connection, unit: Unit) -> Claim:

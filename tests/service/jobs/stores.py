@@ -45,9 +45,13 @@ def opened(folder: Path, **arguments: Any) -> Iterator[Store]:
         store.database.close()
 
 
-def new_job(frames: int = 1, owner: str = "", **changes: Any) -> NewJob:
-    crop = changes.pop("crop", [0, 0, 20, 10])
-    views = [json.dumps({"camera": {"frame": k, "crop": crop}, "scene_hash": f"hash {k}"}).encode() for k in range(frames)]
+def new_job(frames: int = 1, owner: str = "", crop: tuple[int, ...] = (0, 0, 20, 10), **changes: Any) -> NewJob:
+    """Of frames with a window in pixels."""
+    output = {"precision": "exact"}
+    views = [
+        json.dumps({"camera": {"frame": k, "crop": crop}, "output": output, "scene_hash": f"hash {k}"}).encode()
+        for k in range(frames)
+    ]
     values: dict[str, Any] = {"quadrics_hash": "quadrics", "digest": "digest", "idempotency_key": None, **changes}
     return NewJob(owner=owner, frames_total=frames, views=views, **values)
 
