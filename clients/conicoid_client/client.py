@@ -60,22 +60,46 @@ class Client:
         )
 
     @overload
-    def render(self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None) -> Rendering: ...
+    def render(
+        self,
+        scene: Scene,
+        *,
+        arrays: Arrays | None = None,
+        precision: str | None = None,
+        frame: int | None = None,
+        band: str | None = None,
+    ) -> Rendering: ...
 
     @overload
     def render(
-        self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None, etag: str
+        self,
+        scene: Scene,
+        *,
+        arrays: Arrays | None = None,
+        precision: str | None = None,
+        frame: int | None = None,
+        band: str | None = None,
+        etag: str,
     ) -> Rendering | None: ...
 
     def render(
-        self, scene: Scene, *, arrays: Arrays | None = None, precision: str | None = None, etag: str | None = None
+        self,
+        scene: Scene,
+        *,
+        arrays: Arrays | None = None,
+        precision: str | None = None,
+        frame: int | None = None,
+        band: str | None = None,
+        etag: str | None = None,
     ) -> Rendering | None:
-        """Render a scene with one camera.
+        """Render a scene with one camera, or one frame of many.
 
         Args:
             scene: the document as JSON text, sent as it is, or as a mapping.
             arrays: what the document's sets name as `"@name"`: by name, or as the bytes of an `.npz` file.
             precision: `exact`, `float64` or `float32` in place of the document's `output.precision`.
+            frame: which of the document's cameras, from 0; it must have one alone where this is None.
+            band: `I/N`, band I (from 0) of the N into which the frame's rows are cut; `conicoid join` joins them.
             etag: tag of the rendering that is already here.
         Returns:
             The rendering; None where `etag` is still its tag.
@@ -84,7 +108,10 @@ class Client:
         if precision is not None:
             document = with_precision(document, precision)
         headers = {} if etag is None else {"If-None-Match": etag}
-        response = self._connection.send("POST", "/v1/render", _EXR, body=body(document, arrays), headers=headers)
+        part = {"frame": frame, "band": band}
+        query = {name: value for name, value in part.items() if value is not None}
+        sent = body(document, arrays)
+        response = self._connection.send("POST", "/v1/render", _EXR, body=sent, headers=headers, query=query)
         if response.status_code == httpx.codes.NOT_MODIFIED:
             return None
         return read_rendering(response)

@@ -100,7 +100,7 @@ def decode(data: bytes) -> ExrImage:
 
 
 def _open(data: bytes, *, header_only: bool) -> Any:
-    with _muted():
+    with muted():
         return OpenEXR.File(io.BytesIO(data), separate_channels=True, header_only=header_only)
 
 
@@ -110,7 +110,7 @@ def _window(corners: Any) -> Window:
 
 
 @contextmanager
-def _muted() -> Iterator[None]:
+def muted() -> Iterator[None]:
     """Keep the library's remarks about damaged files to itself: it prints some from Python and some from C."""
     with redirect_stdout(io.StringIO()), ExitStack() as undo:
         if sys.stderr is not None:

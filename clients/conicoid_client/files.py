@@ -44,7 +44,7 @@ def check_writable(target: str) -> None:
         raise PermissionError(f"{target} cannot be written: permission denied")
 
 
-def write(target: str, data: bytes) -> None:
+def write(target: str, data: bytes | memoryview) -> None:
     """Write a whole file or nothing; a reader, or a crash, never meets half of one.
 
     A regular file is written under another name beside its target and then renamed. Devices and pipes are

@@ -9,14 +9,15 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from conicoid.canonical import canonical_batch_bytes, canonical_bytes, quadrics_hash, view_hash
-from conicoid.document import Batch, Document, parse, parse_batch, parse_quadrics, read_npz
+from conicoid.document import Batch, Document, parse_batch, parse_quadrics, read_npz
 from conicoid.errors import LimitError
 from conicoid.quadrics_file import quadrics_bytes, quadrics_from
-from conicoid.scene import Quadrics, Scene
+from conicoid.scene import Camera, Output, Quadrics, Scene
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
 from conicoid_service.errors import MultipartError
 from conicoid_service.multipart import REMEDY, parts_of
+from conicoid_service.parts import Part, read_document, view_of
 from conicoid_service.views import view_line
 from conicoid_service.worker import Handler, Reply, serve
 
@@ -31,7 +32,8 @@ def start(_: Message) -> tuple[Handler, Message]:
 def handle(message: Message, blobs: list[Blob]) -> Reply:
     """Answer with what `message["do"]` names, for the body in the first blob.
 
-    `read`: `scene_hash` and `quadrics_hash`, with the view's line, and the quadrics.
+    `read`: `scene_hash` and `quadrics_hash`, with the view's line, and the quadrics; of which `frame` and `band` is as
+    in `parts.Part.of`.
     `batch`: the number of `frames` and `quadrics_hash`, with a line for each view, and the quadrics.
     `canonical`: the canonical document; kept quadrics that it needs are in the message's second blob.
     `keep`: `quadrics_hash` and the number of `quadrics`, with the quadrics.
@@ -45,9 +47,12 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
     if message["do"] == "keep":
         answer = partial(_keep, parse_quadrics(text, arrays, most_quadrics=limits["quadrics"]))
     elif message["do"] == "read":
-        document = parse(text, arrays, most_quadrics=limits["quadrics"])
-        check_limits(limits, quadrics=document.quadric_count, pixels=document.pixel_count)
-        answer = partial(_read, document)
+        part = Part.of(message["frame"], message["band"])
+        document = read_document(text, arrays, part, most_quadrics=limits["quadrics"])
+        camera, output = view_of(document, part)
+        x0, y0, x1, y1 = camera.crop
+        check_limits(limits, quadrics=document.quadric_count, pixels=(x1 - x0) * (y1 - y0))
+        answer = partial(_read, document, camera, output)
     else:
         batch = parse_batch(text, arrays, most_quadrics=limits["quadrics"])
         pixels = batch.pixel_counts
@@ -77,16 +82,14 @@ def text_and_arrays(body: Blob, boundary: str | None, most_bytes: int) -> tuple[
     return parts["scene"].read(), arrays
 
 
-def _read(document: Document) -> Reply:
+def _read(document: Document | Batch, camera: Camera, output: Output) -> Reply:
     if document.scene is None:
-        scene = document.resolve()
-        quadrics, own = quadrics_hash(scene.quadrics), [Blob.of(quadrics_bytes(scene.quadrics))]
-        asked, view = {}, (scene.camera, scene.output)
+        quadrics = document.resolve_quadrics()
+        hashed, own, asked = quadrics_hash(quadrics), [Blob.of(quadrics_bytes(quadrics))], {}
     else:
-        quadrics, own = document.scene[:_LONGEST_ID], []
-        asked, view = {"scene": quadrics}, document.view()
-    reply = {"scene_hash": view_hash(quadrics, *view), "quadrics_hash": quadrics}
-    return reply | asked, [Blob.of(view_line(quadrics, *view)), *own]
+        hashed, own, asked = document.scene[:_LONGEST_ID], [], {"scene": document.scene[:_LONGEST_ID]}
+    reply = {"scene_hash": view_hash(hashed, camera, output), "quadrics_hash": hashed}
+    return reply | asked, [Blob.of(view_line(hashed, camera, output)), *own]
 
 
 def _batch(batch: Batch) -> Reply:

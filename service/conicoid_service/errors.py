@@ -65,6 +65,12 @@ class BodyTimeoutError(ServiceError):
     headers = MappingProxyType({"Connection": "close"})
 
 
+class ParameterError(ServiceError):
+    """The query names a part that the document does not have."""
+
+    code = "parameter"
+
+
 class MediaTypeError(ServiceError):
     """The body is not of a type that the route reads."""
 

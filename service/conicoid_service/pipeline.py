@@ -154,13 +154,16 @@ class Pipeline:
         self.kept.keep(scene)
         return scene, self._timings("document", answer)
 
-    async def read(self, body: Body) -> ReadScene:
+    async def read(self, body: Body, frame: int | None = None, band: str | None = None) -> ReadScene:
         """Read a document and check it against the limits; takes the body over, the caller closes what is read.
 
+        Of which frame and band is as in `parts.Part.of`.
+
         Raises:
+            ReportedError: `parameter`: there is no such frame or band.
             UnknownSceneError: it names quadrics that are not kept.
         """
-        answer = await self._ask("read", body)
+        answer = await self._ask("read", body, frame=frame, band=band)
         view, quadrics = self._parts(answer)
         kept, hashes = "scene" in answer.message, (answer.message["scene_hash"], answer.message["quadrics_hash"])
         return ReadScene(view, quadrics, kept, *hashes, self._timings("document", answer))
@@ -204,8 +207,8 @@ class Pipeline:
         answer = await self._renders.call(message, [view, *bands], owner=owner, batch=batch)
         return Image(answer.blobs[0], scene_hash, *escalated), self._timings("render", answer)
 
-    async def _ask(self, do: str, body: Body, *kept: Blob) -> Answer:
-        message = {"do": do, "limits": self._limits, "boundary": body.boundary}
+    async def _ask(self, do: str, body: Body, *kept: Blob, **part: int | str | None) -> Answer:
+        message = {"do": do, "limits": self._limits, "boundary": body.boundary, **part}
         return await self._documents.call(message | context.ids(), [body.blob, *kept])
 
     def _parts(self, answer: Answer) -> tuple[Blob, Blob]:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 
 from conicoid import __version__
 from conicoid_service.bodies import Body, receive
@@ -30,8 +30,17 @@ router = APIRouter(prefix="/v1", tags=["scenes"])
 
 
 @router.post("/render", response_class=Response, **RENDER_DOCS)
-async def render(request: Request) -> Response:
+async def render(
+    request: Request,
+    frame: Annotated[
+        int | None, Query(ge=0, le=2**31 - 1, description="which of the document's cameras, from 0")
+    ] = None,
+    band: Annotated[str | None, Query(pattern=r"^[0-9]{1,9}/[0-9]{1,9}$", description="I/N, band I of N")] = None,
+) -> Response:
     """Render a scene document with one camera to an OpenEXR image.
+
+    With `frame` the document may have many `cameras`, of which it says one. With `band` the image is that part of the
+    frame's rows, which `conicoid join` joins to the frame.
 
     The strong `ETag` names the image's bytes: a request that has it in `If-None-Match` is answered 304, unrendered.
     An image that was rendered lately is sent again, unrendered too.
@@ -44,7 +53,7 @@ async def render(request: Request) -> Response:
         return await submitted(request, {"Preference-Applied": "respond-async"})
     settings, pipeline = _parts(request)
     body = await receive(request, settings)
-    asked = _Asked(request.headers.get("if-none-match"), owner_of(request))
+    asked = _Asked(request.headers.get("if-none-match"), owner_of(request), frame, band)
     return await while_connected(request, _render(pipeline, request.app.state.gallery, body, asked))
 
 
@@ -54,18 +63,21 @@ class _Asked:
 
     if_none_match: str | None
     owner: str
+    frame: int | None
+    band: str | None
 
 
 async def _render(pipeline: Pipeline, gallery: Gallery, body: Body, asked: _Asked) -> Response:
-    known = gallery.images.tag_of(body.digest)
+    request = f"{body.digest} {asked.frame} {asked.band}"
+    known = gallery.images.tag_of(request)
     if known and (response := await _at_hand(gallery, known, asked, _UNREAD)):
         body.blob.close()
         return response
-    read = await pipeline.read(body)
+    read = await pipeline.read(body, asked.frame, asked.band)
     with read.view, read.quadrics:
         tag = entity_tag(read.scene_hash, (await pipeline.device())["device"])
         if not read.kept:  # else the body says too little: what it names may be dropped
-            gallery.images.note(body.digest, tag)
+            gallery.images.note(request, tag)
         if response := await _at_hand(gallery, tag, asked, read.timings):
             return response
         shown = await gallery.show(tag, read, owner=asked.owner)

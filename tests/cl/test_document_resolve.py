@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from conicoid.document import Document, parse
+from conicoid.document import Document, parse, parse_batch
 from conicoid.document.determinant import determinant_sign
 from conicoid.document.resolve import rotation_matrices
 from conicoid.scene import Floats, Output, Quadrics
@@ -236,9 +236,14 @@ def test_a_transform_that_only_rounding_makes_singular_is_taken() -> None:
 def test_counts_are_known_before_anything_is_resolved() -> None:
     three = [{"shape": "sphere"}, {"shape": "cone"}, {"shape": "sphere"}]
     assert document(three).quadric_count == 3
-    assert document(three).pixel_count == 48
-    assert document(three, crop=[1, 2, 4, 6]).pixel_count == 12
-    assert document([], width=65536, height=65536).pixel_count == 2**32
+    cameras: list[dict[str, Any]] = [
+        {"width": 8, "height": 6},
+        {"width": 8, "height": 6, "crop": [1, 2, 4, 6]},
+        {"width": 65536, "height": 65536},
+    ]
+    batch = {"conicoid": 1, "quadrics": three, "cameras": [{**camera, "fov_y": 40} for camera in cameras]}
+    counts = parse_batch(json.dumps(batch).encode()).pixel_counts
+    assert sorted(counts.tolist()) == [12, 48, 2**32]
 
 
 def test_an_output_left_out_is_the_default_output() -> None:

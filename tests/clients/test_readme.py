@@ -81,7 +81,7 @@ def test_sessions_show_what_the_command_says(session: str, checkout: Path) -> No
     assert done.stdout + done.stderr == shown
 
 
-@pytest.mark.parametrize("page", ["README.md", "CHANGELOG.md", *OTHER_PAGES])
+@pytest.mark.parametrize("page", ["README.md", "CHANGELOG.md", "docs/any-farm.md", *OTHER_PAGES])
 def test_links_lead_somewhere(page: str) -> None:
     links = re.findall(r"\]\(([^)#]+)\)", (ROOT / page).read_text())
     missing = [link for link in links if not (ROOT / page).parent.joinpath(link).exists()]

@@ -43,15 +43,19 @@ class Document:
         """Quadrics to be rendered."""
         return sum(map(len, self.quadrics))
 
-    @property
-    def pixel_count(self) -> int:
-        """Pixels to be rendered: the crop's, or the whole image's."""
-        return int(_pixel_counts(self.camera)[0])
-
     def view(self) -> tuple[Camera, Output]:
         """The camera and the output, with every number derived and every default filled in."""
         (camera,) = resolve_cameras(self.camera)
         return camera, resolve_output(self.output)
+
+    def views(self) -> tuple[list[Camera], Output]:
+        """The same as those of a `Batch`."""
+        camera, output = self.view()
+        return [camera], output
+
+    def resolve_quadrics(self) -> Quadrics:
+        """The document's own quadrics with every number derived and every default filled in."""
+        return resolve_quadrics(self.quadrics)
 
     def resolve(self, kept: Quadrics | None = None) -> Scene:
         """The scene's arrays with every number derived and every default filled in.
@@ -59,7 +63,7 @@ class Document:
         Args:
             kept: the quadrics that `scene` names; where it is None, the document's own.
         """
-        return Scene(resolve_quadrics(self.quadrics) if kept is None else kept, *self.view())
+        return Scene(self.resolve_quadrics() if kept is None else kept, *self.view())
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,8 @@ SCENE: Final = Record(
     choices=(("quadrics",), ("scene",)),
     usual="quadrics",
     reserved={
-        "cameras": "makes a batch, and this takes one view; give a camera, or submit the batch as a job (POST /v1/jobs)"
+        "cameras": "makes a batch, and this takes one view; give a camera, or name one of the frames "
+        "(--frame K), or submit the batch as a job (POST /v1/jobs)"
     },
 )
 # A batch: a frame for each camera.

@@ -5,8 +5,8 @@ import argparse
 from conicoid_client.command.bench_arguments import add_bench
 from conicoid_client.command.job_arguments import add_jobs
 from conicoid_client.command.numbers import pixels, port, samples
+from conicoid_client.command.render_arguments import PRECISIONS, add_join, add_render, add_scene
 
-_PRECISIONS = ("exact", "float64", "float32")
 _SAMPLES = 4000
 _CONFIG = "settings; variables win (default: $CONICOID_CONFIG)"
 _RUNNING_SERVER = "the service, as in http://127.0.0.1:8000 (default: $CONICOID_SERVER)"
@@ -23,10 +23,6 @@ def parser() -> argparse.ArgumentParser:
     whole.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
-    def add_scene(command: argparse.ArgumentParser) -> None:
-        command.add_argument("scene", metavar="SCENE.json")
-        command.add_argument("--arrays", metavar="FILE.npz", help='the arrays that the scene names as "@name"')
-
     def command(name: str, summary: str) -> argparse.ArgumentParser:
         return commands.add_parser(name, help=summary, description=summary[0].upper() + summary[1:] + ".")
 
@@ -37,13 +33,8 @@ def parser() -> argparse.ArgumentParser:
 
     _add_worker(command("worker", "render what the API of a farm sends, until interrupted"))
 
-    render = command("render", "render a scene to an OpenEXR file")
-    add_scene(render)
-    render.add_argument("-o", "--output", required=True, metavar="OUT.exr")
-    render.add_argument("--preview", metavar="OUT.png", help="also write a picture: depth beside normals")
-    render.add_argument("--precision", choices=_PRECISIONS, help="in place of the scene's own")
-    render.add_argument("--server", metavar="URL", help=_SERVER)
-    render.add_argument("-v", "--verbose", action="store_true", help="say what was written and how long it took")
+    add_render(command("render", "render a scene to an OpenEXR file"), _SERVER)
+    add_join(command("join", "join the bands of a frame to its OpenEXR file"))
 
     submit = command("submit", "have a service render a batch of cameras, and fetch the frames as they end")
     add_scene(submit)
@@ -62,7 +53,7 @@ def parser() -> argparse.ArgumentParser:
         "--samples", type=samples, default=_SAMPLES, metavar="N",
         help="check N pixels, half of them on silhouettes (default: %(default)s)",
     )  # fmt: skip
-    verify.add_argument("--precision", choices=_PRECISIONS, help="in place of the scene's own")
+    verify.add_argument("--precision", choices=PRECISIONS, help="in place of the scene's own")
     verify.add_argument("--server", metavar="URL", help=_SERVER)
     verify.add_argument("--json", action="store_true", help="as JSON")
 

@@ -1,6 +1,7 @@
 """Numbers on the command line."""
 
 import argparse
+import re
 
 
 def port(text: str) -> int:
@@ -32,6 +33,14 @@ def samples(text: str) -> int:
 def frame(text: str) -> int:
     """The number of a frame, from 0."""
     return whole(text, 0, 2**31 - 1)
+
+
+def band(text: str) -> str:
+    """I/N: band I, from 0, of N."""
+    index, _, count = text.partition("/")
+    if not re.fullmatch(r"[0-9]{1,9}/[0-9]{1,9}", text) or int(index) >= int(count):
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/N with I from 0 to N - 1, as in 0/4")
+    return text
 
 
 def whole(text: str, least: int, most: int) -> int:

@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING
 
 from conicoid_client import files
+from conicoid_client.command import openjd
 from conicoid_client.command.connect import connect
 from conicoid_client.command.progress import progress
 from conicoid_client.command.report import UsageError
@@ -16,6 +17,12 @@ if TYPE_CHECKING:
 
 
 def run(options: argparse.Namespace) -> None:
+    """Render; a scheduler is told of it where it wants to be."""
+    with openjd.lines(options, f"rendering {options.output}"):
+        _render(options)
+
+
+def _render(options: argparse.Namespace) -> None:
     """Read, render, write; whatever can be refused is refused before the rendering."""
     if options.preview == options.output:
         raise UsageError(f"-o and --preview both name {options.output}; give the picture another name")
@@ -24,7 +31,9 @@ def run(options: argparse.Namespace) -> None:
     scene, arrays = read_scene(options)
     begin = time.perf_counter()
     with progress(f"rendering {_name(options.scene)}"), connect(options) as client:
-        rendering = client.render(scene, arrays=arrays, precision=options.precision)
+        rendering = client.render(
+            scene, arrays=arrays, precision=options.precision, frame=options.frame, band=options.band
+        )
     seconds = time.perf_counter() - begin
     files.write(options.output, rendering.exr)
     written = [(options.output, rendering.exr)]

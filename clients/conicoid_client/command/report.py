@@ -25,6 +25,12 @@ def report(error: Exception) -> bool:
     return isinstance(error, UsageError | SceneRejected)
 
 
+def one_line(said: Exception | str) -> str:
+    """An error, or any text, for a reader of lines."""
+    lines = [said] if isinstance(said, str) else _lines(said)
+    return " ".join(_printable(line) for text in lines for line in text.splitlines())
+
+
 def _lines(error: Exception) -> list[str]:
     if isinstance(error, ProblemError):
         return _problem_lines(error)
