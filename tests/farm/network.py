@@ -15,13 +15,14 @@ class Network:
 
     Attributes:
         address: the machine's on the link. Servers that processes inside shall reach have to listen there.
+        peer: the address of those inside.
         inside: words before a command that shall have this network alone.
     """
 
     def __init__(self) -> None:
         assert os.geteuid() == 0, "only root can make networks"
         prefix = f"10.{random.randrange(200, 250)}.{random.randrange(256)}"
-        self.address, self._peer = f"{prefix}.1", f"{prefix}.2"
+        self.address, self.peer = f"{prefix}.1", f"{prefix}.2"
         holder = ["setpriv", "--pdeathsig=KILL", "unshare", "--net", "sleep", "infinity"]
         self._holder = subprocess.Popen(holder)
         self._link = f"cut{self._holder.pid}"
@@ -31,7 +32,7 @@ class Network:
         self._ip(f"address add {self.address}/30 dev {self._link}")
         self._ip(f"link set {self._link} up")
         self._ip("link set lo up", inside=True)
-        self._ip(f"address add {self._peer}/30 dev eth0", inside=True)
+        self._ip(f"address add {self.peer}/30 dev eth0", inside=True)
         self._ip("link set eth0 up", inside=True)
 
     def _is_apart(self) -> bool:
