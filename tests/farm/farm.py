@@ -1,8 +1,7 @@
 """A farm under test: an API and workers as processes of their own."""
 
 import os
-import signal
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
@@ -11,7 +10,8 @@ from typing import Self
 import httpx
 
 from tests.checkout import BIN
-from tests.farm.processes import Process, command_line, server_port
+from tests.farm.network import Network
+from tests.farm.processes import Process, server_port
 from tests.running import Service
 
 
@@ -19,12 +19,12 @@ class Worker:
     """`conicoid worker` with one process for rendering.
 
     Args:
-        inside: words before the command, to run it in other surroundings.
+        network: in which it is instead of the machine's.
     """
 
-    def __init__(self, log: Path, environment: Mapping[str, str], inside: tuple[str, ...] = ()) -> None:
-        self.log, self._inside = log, inside
-        self._port = server_port()
+    def __init__(self, log: Path, environment: Mapping[str, str], network: Network | None = None) -> None:
+        self.log, self._inside = log, network.inside if network else ()
+        self._address, self._port = network.peer if network else "127.0.0.1", server_port()
         self._environment = {**os.environ, **environment, "CONICOID_WORKER_PORT": str(self._port)}
         self._process: Process | None = None
 
@@ -38,9 +38,9 @@ class Worker:
         self.process.wait_until(self.ready)
 
     def ready(self) -> bool:
-        """Whether it says that it takes units; only for one that is not in a network of its own."""
+        """Whether it says that it takes units."""
         with suppress(httpx.TransportError):
-            return httpx.get(f"http://127.0.0.1:{self._port}/readyz").status_code == 200
+            return httpx.get(f"http://{self._address}:{self._port}/readyz").status_code == 200
         return False
 
     @property
@@ -48,17 +48,9 @@ class Worker:
         assert self._process is not None, "it does not run"
         return self._process
 
-    def pool_children(self) -> list[int]:
-        """Its children that are copies of itself: each takes units and has one render process."""
-        return [pid for pid in self.process.children() if "conicoid worker" in command_line(pid).replace("/", " ")]
-
-    def kill_child(self) -> bool:
-        """End a child that takes units; whether there was one."""
-        for pid in self.pool_children():
-            with suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-                return True
-        return False
+    def pool_child(self) -> int:
+        """Its child that takes units and has the render process."""
+        return self.process.children()[0]
 
     def kill(self) -> None:
         """End it and its children as a power failure would."""
@@ -70,12 +62,22 @@ class Worker:
 
 
 class Farm:
-    """An API and n workers, with logs in a folder."""
+    """An API and workers.
 
-    def __init__(self, folder: Path, environment: Mapping[str, str], workers: int = 3) -> None:
+    Args:
+        folder: for logs.
+        environment: of all of them.
+        workers: how many.
+        networks: of the last ones, if they have their own.
+    """
+
+    def __init__(
+        self, folder: Path, environment: Mapping[str, str], workers: int = 3, networks: Sequence[Network] = ()
+    ) -> None:
         ends_with_tests = ("setpriv", "--pdeathsig=KILL")
         self.api = Service(folder / "data", folder / "api.log", ends_with_tests, environment)
-        self.workers = [Worker(folder / f"worker{k}.log", environment) for k in range(workers)]
+        places = [*[None] * (workers - len(networks)), *networks]
+        self.workers = [Worker(folder / f"worker{k}.log", environment, place) for k, place in enumerate(places)]
         self._open = ExitStack()
 
     def __enter__(self) -> Self:

@@ -44,13 +44,6 @@ def descendants(pid: int) -> Iterator[int]:
                 yield from descendants(child)
 
 
-def command_line(pid: int) -> str:
-    """What a process was started as; nothing where it has ended."""
-    with suppress(OSError):
-        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
-    return ""
-
-
 class Process:
     """A command as a process in a session of its own.
 
@@ -109,6 +102,8 @@ class Process:
 
     def kill(self) -> None:
         """End it and all that it started as a power failure would."""
+        if not self.runs():
+            return
         family = [self.pid, *self.children()]
         for pid in family:
             with suppress(ProcessLookupError):
