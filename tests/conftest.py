@@ -13,6 +13,10 @@ settings.register_profile("fuzz", settings.get_profile("conicoid"), max_examples
 settings.load_profile("conicoid")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--farm", action="store_true", help="the tests of jobs with a farm's servers and a worker")
+
+
 @pytest.fixture(scope="session", autouse=True)
 def own_state(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Services of tests keep their jobs where nobody else does."""

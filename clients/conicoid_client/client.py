@@ -4,7 +4,7 @@ import re
 import secrets
 from collections.abc import Iterator, Mapping
 from types import TracebackType
-from typing import Any, BinaryIO, Self, overload
+from typing import Any, BinaryIO, Literal, Self, overload
 from urllib.parse import parse_qsl, urlsplit
 
 import httpx
@@ -15,7 +15,7 @@ from conicoid_client.connection import Connection
 from conicoid_client.errors import ClientError
 from conicoid_client.jobs import Event, Frame, Job, JobEnded, checked_id
 from conicoid_client.precision import with_precision
-from conicoid_client.rendering import Rendering, read_rendering
+from conicoid_client.rendering import Rendering, read_rendering, tag_of
 
 _EXR, _JSON = "image/x-exr", "application/json"
 _IDEMPOTENCY_KEY = re.compile(r"[\x21-\x7e]{1,255}")
@@ -141,7 +141,14 @@ class Client:
         answer: dict[str, Any] = self._connection.send("GET", "/v1/device", _JSON).json()
         return answer
 
-    def submit(self, scene: Scene, *, arrays: Arrays | None = None, idempotency_key: str | None = None) -> Job:
+    def submit(
+        self,
+        scene: Scene,
+        *,
+        arrays: Arrays | None = None,
+        idempotency_key: str | None = None,
+        priority: Literal["normal", "high"] = "normal",
+    ) -> Job:
         """Have the service render a scene with one camera or many while nobody waits.
 
         Args:
@@ -149,6 +156,7 @@ class Client:
             arrays: as for `render`.
             idempotency_key: 1 to 255 visible ASCII characters; the same key and scene again give the same job.
                 One is made up if none is given, so that a lost answer makes no second job.
+            priority: `high` comes before your other jobs.
         Returns:
             The job, which is on the service's disk.
         """
@@ -156,7 +164,8 @@ class Client:
         if not _IDEMPOTENCY_KEY.fullmatch(key):
             raise ClientError("the idempotency key is not 1 to 255 visible ASCII characters; a UUID will do")
         sent = body(json_bytes(scene), arrays)
-        return Job.read(self._json("POST", "/v1/jobs", sent=sent, headers={"Idempotency-Key": key}))
+        query: dict[str, str | int] = {} if priority == "normal" else {"priority": priority}
+        return Job.read(self._json("POST", "/v1/jobs", sent=sent, headers={"Idempotency-Key": key}, query=query))
 
     def jobs(self, state: str | None = None) -> Iterator[Job]:
         """Your jobs, newest first, page by page; with `state`, those in it."""
@@ -192,7 +201,9 @@ class Client:
             ProblemError: `frame-not-ready`, `frame-failed` with the cause, `unknown-job`.
         """
         headers = {} if etag is None else {"If-None-Match": etag}
-        response = self._connection.send("GET", f"{_path(job_id)}/frames/{number:d}", _EXR, headers=headers)
+        response = self._connection.send(
+            "GET", f"{_path(job_id)}/frames/{number:d}", _EXR, headers=headers, elsewhere=True
+        )
         return None if response.status_code == httpx.codes.NOT_MODIFIED else read_rendering(response)
 
     def save_frame(self, job_id: str, number: int, file: BinaryIO) -> str | None:
@@ -207,11 +218,11 @@ class Client:
         """
         start = file.tell()
         for again in self._connection.tries():
-            with again, self._connection.stream(f"{_path(job_id)}/frames/{number:d}", _EXR) as response:
+            with again, self._connection.stream(f"{_path(job_id)}/frames/{number:d}", _EXR, elsewhere=True) as response:
                 file.seek(start)
                 file.truncate()
                 file.writelines(response.iter_bytes())
-                tag: str | None = response.headers.get("ETag")
+                tag = tag_of(response)
         return tag
 
     def events(self, job_id: str, last_event_id: str | None = None) -> Iterator[Event]:

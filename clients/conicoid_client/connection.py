@@ -45,7 +45,8 @@ class Connection:
             raise ClientError("the API key is not of visible ASCII characters; give it as it was given to you")
         authorization = {} if api_key is None else {"Authorization": f"Bearer {api_key}"}
         self.address = str(url.copy_with(userinfo=b""))
-        # Paths are made here and never taken from an answer, and redirects are not followed: nobody else gets the key.
+        # Paths are made here and never taken from an answer, and no redirect is followed but to an image, which may be
+        # in an object store: httpx gives the key to nobody at another origin.
         self._http = httpx.Client(
             base_url=url,
             transport=transport,
@@ -67,8 +68,11 @@ class Connection:
         body: Body | None = None,
         headers: Mapping[str, str] | None = None,
         query: Mapping[str, str | int] | None = None,
+        elsewhere: bool = False,
     ) -> httpx.Response:
         """One request, repeated where that may help; the answer is of `media_type`, or a bare 304.
+
+        It may come from somewhere `elsewhere`.
 
         Raises:
             Unreachable, ProblemError: as `Client` says.
@@ -79,13 +83,19 @@ class Connection:
             sent["params"] = query
         for again in self.tries():
             with again:
-                response = self._http.request(method, path, headers=headers, **sent)
+                response = self._http.request(method, path, headers=headers, follow_redirects=elsewhere, **sent)
                 self.check(response, media_type)
         return response
 
     @contextmanager
     def stream(
-        self, path: str, media_type: str, *, headers: Mapping[str, str] | None = None, silence_s: float | None = None
+        self,
+        path: str,
+        media_type: str,
+        *,
+        headers: Mapping[str, str] | None = None,
+        silence_s: float | None = None,
+        elsewhere: bool = False,
     ) -> Iterator[httpx.Response]:
         """The answer to a GET, once, of which the body is still to be read; reading may raise httpx.HTTPError.
 
@@ -94,9 +104,11 @@ class Connection:
             media_type: what the answer is; a bare 204 or 304 is one too.
             headers: of the request.
             silence_s: longest wait for the next bytes, in place of the client's timeout.
+            elsewhere: whether the answer may come from another server.
         """
         timeout = self._http.timeout if silence_s is None else httpx.Timeout(silence_s, connect=min(10.0, silence_s))
-        with self._http.stream("GET", path, headers=headers, timeout=timeout) as response:
+        following = self._http.stream("GET", path, headers=headers, timeout=timeout, follow_redirects=elsewhere)
+        with following as response:
             if not response.is_success:
                 response.read()
             self.check(response, media_type)
@@ -128,7 +140,7 @@ class Connection:
             return
         if not response.is_success:
             raise _problem(response)
-        if response.headers.get("Content-Type", "").partition(";")[0] != media_type:
+        if not response.history and response.headers.get("Content-Type", "").partition(";")[0] != media_type:
             detail = f"the answer from {self.address} is not {media_type}; is this a Conicoid service?"
             raise ProblemError(response.status_code, "http-media-type", detail)
 

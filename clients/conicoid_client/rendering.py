@@ -27,10 +27,17 @@ def read_rendering(response: httpx.Response) -> Rendering:
     settled = response.headers.get("Conicoid-Settled", "")
     return Rendering(
         exr=response.content,
-        etag=response.headers.get("ETag"),
+        etag=tag_of(response),
         timing_ms=_timing(response.headers.get("Server-Timing", "")),
         settled=int(settled) if settled.isdecimal() else None,
     )
+
+
+def tag_of(response: httpx.Response) -> str | None:
+    """The entity tag that the service gave, though another may have sent the image."""
+    answered = response.history[0] if response.history else response
+    tag: str | None = answered.headers.get("ETag")
+    return tag
 
 
 def _timing(header: str) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from typing import Any, Final
 
-from conicoid_service.jobs.records import STATES
+from conicoid_service.jobs.records import PRIORITIES, STATES
 from conicoid_service.openapi import BATCH, EXR_CONTENT, IF_NONE_MATCH, SCENE, TIMING, body_docs, problems
 
 _TIME: Final = {"type": ["string", "null"], "format": "date-time"}
@@ -34,6 +34,7 @@ _FRAME: Final = _object(
 _JOB: Final[dict[str, Any]] = {
     "id": {"type": "string"},
     "state": _STATE,
+    "priority": {"type": "string", "enum": list(PRIORITIES)},
     "created": {"type": "string", "format": "date-time"},
     "started": _TIME,
     "finished": _TIME,
@@ -106,6 +107,10 @@ FRAME_DOCS: Final[dict[str, Any]] = {
             "headers": {"ETag": {"description": "strong: names these bytes", "schema": {"type": "string"}}},
         },
         304: {"description": "The client has this image already"},
+        307: {
+            "description": "The image is in the object store, where `Location` lets anybody read it for a while",
+            "headers": {"Location": {"description": "a signed URL", "schema": {"type": "string"}}},
+        },
         **problems(404, 422, 429, 500, 503, 504, 507),
     },
     "openapi_extra": {"parameters": [IF_NONE_MATCH]},

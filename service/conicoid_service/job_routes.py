@@ -15,7 +15,7 @@ from conicoid_service.errors import IdempotencyKeyError, NoJobsError
 from conicoid_service.job_openapi import CANCEL_DOCS, EVENTS_DOCS, FRAME_DOCS, JOB_DOCS, JOBS_DOCS, SUBMIT_DOCS
 from conicoid_service.jobs.documents import frame_document, job_document
 from conicoid_service.jobs.events import END, job_events
-from conicoid_service.jobs.records import State
+from conicoid_service.jobs.records import Priority, State
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
 
 if TYPE_CHECKING:  # the database's library takes as long to load as a short render
@@ -32,21 +32,22 @@ router = APIRouter(prefix="/v1/jobs", tags=["jobs"])
 
 
 @router.post("", status_code=202, **SUBMIT_DOCS)
-async def submit_job(request: Request) -> Response:
+async def submit_job(request: Request, priority: Priority = "normal") -> Response:
     """Accept a document with `camera` or `cameras` as a job: it is on the disk when the answer comes.
 
-    With an `Idempotency-Key` a request that is sent again, because its answer was lost, makes no second job.
+    Of one key's jobs those of high `priority` come first. With an `Idempotency-Key` a request that is sent again,
+    because its answer was lost, makes no second job.
     """
-    return await submitted(request, {})
+    return await submitted(request, {}, priority)
 
 
-async def submitted(request: Request, headers: dict[str, str]) -> Response:
+async def submitted(request: Request, headers: dict[str, str], priority: Priority = "normal") -> Response:
     """The answer to a request whose body is a job; `headers` are added to it."""
     jobs, key = jobs_of(request), request.headers.get("idempotency-key")
     if key is not None and not _KEY.fullmatch(key):
         raise IdempotencyKeyError("Idempotency-Key is not 1 to 255 visible ASCII characters; a UUID will do")
     body = await receive(request, request.app.state.settings)
-    job, is_new, timings = await while_connected(request, jobs.submit(body, owner_of(request), key))
+    job, is_new, timings = await while_connected(request, jobs.submit(body, owner_of(request), key, priority))
     document = job_document(job)
     headers |= {"Location": document["href"], "Server-Timing": server_timing(timings)}
     return _json(document, 202 if is_new else 200, headers)
@@ -90,8 +91,15 @@ async def job_frame(request: Request, job_id: JobId, number: Annotated[int, Path
     """The image of a frame, once it is there."""
     jobs = jobs_of(request)
     job = await jobs.job(job_id, owner_of(request))
+    known = request.headers.get("if-none-match")
+    if (elsewhere := await jobs.image_elsewhere(job, number)) is not None:
+        tag, link = elsewhere
+        headers = {"ETag": tag, "Cache-Control": "no-store"}
+        return (
+            Response(None, 304, headers) if matches(known, tag) else Response(None, 307, {**headers, "Location": link})
+        )
     tag, image = await while_connected(request, jobs.image(job, number))
-    if matches(request.headers.get("if-none-match"), tag):
+    if matches(known, tag):
         image.blob.close()
         return Response(None, 304, {"ETag": tag})
     headers = {

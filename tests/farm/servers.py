@@ -247,6 +247,7 @@ class Store(Server):
         (self.folder / "buckets").mkdir(exist_ok=True)
         words = ["serve", "s3", str(self.folder / "buckets"), "--addr", f"{self.address}:{self.port}"]
         words += ["--auth-key", f"conicoid,{_PASSWORD}", "--config", ""]
+        words += ["--dir-cache-time", "0"]  # buckets are made, and files looked at, beside it
         environment = {"PATH": _PATH, "HOME": str(self.folder)}
         return Process([str(BIN / "rclone"), *words], self.folder / "log", environment)
 

@@ -41,6 +41,9 @@ def parser() -> argparse.ArgumentParser:
     submit.add_argument("-o", "--output", metavar="DIR", help="for frame-00000.exr and so on")
     submit.add_argument("--server", metavar="URL", help=_RUNNING_SERVER)
     submit.add_argument("--detach", action="store_true", help="print the job's id and do not wait")
+    submit.add_argument(
+        "--priority", choices=("normal", "high"), default="normal", help="high comes before your others"
+    )
     submit.add_argument("--idempotency-key", metavar="KEY", help="the same key and scene again are the same job")
 
     add_jobs(command("jobs", "see, await, fetch and cancel jobs of a service"))

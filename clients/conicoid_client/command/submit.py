@@ -17,7 +17,7 @@ def run(options: argparse.Namespace) -> None:
     with connect_to_server(options) as client:
         frames = None if options.detach else folder(options.output)
         scene, arrays = read_scene(options)
-        job = client.submit(scene, arrays=arrays, idempotency_key=options.idempotency_key)
+        job = client.submit(scene, arrays=arrays, idempotency_key=options.idempotency_key, priority=options.priority)
     if options.detach:
         files.say(job.id)
         if sys.stderr is not None:

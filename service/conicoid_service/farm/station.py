@@ -17,7 +17,7 @@ from conicoid_service.jobs.executor import Executor
 from conicoid_service.jobs.near import Near
 from conicoid_service.jobs.painter import Painter
 from conicoid_service.jobs.storage import RETRY_S, Storage
-from conicoid_service.pipeline import Pipeline
+from conicoid_service.pipeline import Commands, Pipeline
 from conicoid_service.settings import Settings
 
 _REFUSED_MS: Final = 5_000
@@ -28,14 +28,18 @@ logger = logging.getLogger(__name__)
 class Station:
     """Made in the process that uses it, after any fork; for one unit at a time."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
+        """`commands` are as in `Pipeline`."""
         self._settings = settings
         self._loop = asyncio.new_event_loop()
-        self._pipeline = Pipeline(settings)
+        self._pipeline = Pipeline(settings, commands)
         self._pipeline.start(documents=False)
+        self._busy = asyncio.Lock()
         self._storage: Storage | None = None
+        self._near: Near | None = None
         self._executor: Executor | None = None
-        threading.Thread(target=self._loop.run_forever, name="station", daemon=True).start()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="station", daemon=True)
+        self._thread.start()
 
     def execute(self, message: Mapping[str, Any], *, redelivered: bool) -> str:
         """Render the unit of a message; how it went: `done`, `dropped` because nobody wants it, `refused`.
@@ -47,13 +51,25 @@ class Station:
         return asyncio.run_coroutine_threadsafe(self._execute(message, redelivered), self._loop).result()
 
     def close(self) -> None:
-        """End the render process and close the store."""
-        asyncio.run_coroutine_threadsafe(self._pipeline.stop(), self._loop).result()
-        if self._storage is not None:
-            self._storage.close()
+        """End the render process, give back a unit that it has, and close the store."""
+        asyncio.run_coroutine_threadsafe(self._close(), self._loop).result()
         self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
+
+    async def _close(self) -> None:
+        await self._pipeline.stop()
+        async with self._busy:
+            if self._storage is not None:
+                await asyncio.to_thread(self._storage.close)
+            if self._near is not None:
+                self._near.close()
 
     async def _execute(self, message: Mapping[str, Any], redelivered: bool) -> str:
+        async with self._busy:
+            return await self._render(message, redelivered)
+
+    async def _render(self, message: Mapping[str, Any], redelivered: bool) -> str:
         unit = unit_of(message)
         storage, executor = await self._open()
         now = now_ms()
@@ -78,7 +94,8 @@ class Station:
                 logger.warning("%s", error)
                 await asyncio.sleep(RETRY_S)
                 continue
-            self._storage.quadrics = Near(self._storage.quadrics, self._settings.kept_limit)
+            self._near = Near(self._storage.quadrics, self._settings.kept_limit)
+            self._storage.quadrics = self._near
             gallery = Gallery(self._pipeline, Images(0))
             self._executor = Executor(self._storage, Painter(self._storage, self._pipeline, gallery))
         return self._storage, self._executor

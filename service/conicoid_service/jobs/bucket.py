@@ -36,11 +36,13 @@ class Bucket:
     Args:
         url: `s3://bucket/prefix`, `gs://...`, `az://...`.
         kind: what comes behind the prefix.
+        media_type: of all of them.
     Raises:
         StoreError: the URL or the variables do not name a store.
     """
 
-    def __init__(self, url: str, kind: str) -> None:
+    def __init__(self, url: str, kind: str, media_type: str) -> None:
+        self._attributes = {"Content-Type": media_type}
         client: ClientConfig = {"connect_timeout": f"{_CONNECT_S}s", "timeout": f"{_ANSWER_S}s"}
         if os.environ.get("AWS_ALLOW_HTTP", "").lower() in ("true", "1"):  # options given here hide this variable
             client["allow_http"] = True
@@ -53,7 +55,10 @@ class Bucket:
         """As `Files.write`: an object is there as a whole, or not."""
         with blob.shared() as own, _as_os_error():
             own.file.seek(0)
-            obstore.put(self._store, _key(name), own.file)
+            try:
+                obstore.put(self._store, _key(name), own.file, attributes=self._attributes)
+            except FileNotFoundError as error:
+                raise BaseError("there is no such bucket") from error
 
     def open(self, name: str) -> Blob | None:
         """As `Files.open`: a copy in memory."""

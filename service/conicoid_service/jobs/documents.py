@@ -3,7 +3,7 @@
 from datetime import UTC, datetime
 from typing import Any
 
-from conicoid_service.jobs.records import Frame, Job
+from conicoid_service.jobs.records import PRIORITIES, Frame, Job
 
 
 def job_document(job: Job) -> dict[str, Any]:
@@ -12,6 +12,7 @@ def job_document(job: Job) -> dict[str, Any]:
     return {
         "id": job.id,
         "state": job.state,
+        "priority": next(name for name, urgency in PRIORITIES.items() if urgency == job.priority),
         "created": _time(job.created_ms),
         "started": _time(job.started_ms),
         "finished": _time(job.finished_ms),

@@ -46,12 +46,13 @@ class Files(Protocol):
         ...
 
 
-def files_at(place: str, kind: str) -> Files:
+def files_at(place: str, kind: str, media_type: str) -> Files:
     """The files of a kind, such as `images`.
 
     Args:
         place: URL of a bucket with a prefix, `s3://bucket/prefix`, or of a directory, `file:///mnt/share`.
         kind: what comes behind the prefix.
+        media_type: what an object store says that they are.
     Raises:
         StoreError: there is no such place, or it cannot be had.
     """
@@ -64,4 +65,4 @@ def files_at(place: str, kind: str) -> Files:
             raise StoreError(f"{path}: files cannot be kept here ({error.strerror}); see `object_store`") from None
     from conicoid_service.jobs.bucket import Bucket  # its library is an extra
 
-    return Bucket(place, kind)
+    return Bucket(place, kind, media_type)

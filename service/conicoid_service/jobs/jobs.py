@@ -19,7 +19,7 @@ from conicoid_service.jobs.executor import Executor
 from conicoid_service.jobs.image_shelf import sha256_of
 from conicoid_service.jobs.keeper import Keeper
 from conicoid_service.jobs.painter import Painter
-from conicoid_service.jobs.records import Frame, Job, State
+from conicoid_service.jobs.records import PRIORITIES, Frame, Job, Priority, State
 from conicoid_service.jobs.runner import Runner
 from conicoid_service.jobs.storage import Storage
 from conicoid_service.jobs.store import NewJob
@@ -77,7 +77,7 @@ class Jobs:
         """Frames that ended since the start, by how."""
         return self._executor.ended
 
-    async def submit(self, body: Body, owner: str, key: str | None) -> tuple[Job, bool, Timings]:
+    async def submit(self, body: Body, owner: str, key: str | None, priority: Priority) -> tuple[Job, bool, Timings]:
         """A job for the frames of a document, on the disk then, and whether it is new; takes the body over.
 
         Raises:
@@ -97,7 +97,9 @@ class Jobs:
             if not await storage.do(storage.quadrics.touch, batch.quadrics_hash):
                 await storage.do(storage.quadrics.write, batch.quadrics_hash, batch.quadrics)
             digest = hashlib.sha256(f"{batch.quadrics_hash}\n{sha256_of(batch.views)}".encode()).hexdigest()
-            new = NewJob(owner, batch.quadrics_hash, batch.frames, _lines(batch.views), digest, key)
+            new = NewJob(
+                owner, batch.quadrics_hash, batch.frames, _lines(batch.views), digest, key, PRIORITIES[priority]
+            )
             job, is_new = await storage.do(storage.jobs.create, new, now_ms())
         if is_new:
             logger.info("job accepted", extra={"job_id": job.id, "owner": owner, "frames": job.frames_total})
@@ -148,6 +150,18 @@ class Jobs:
             raise error
         tag = f'"{frame.tag}"'
         return tag, await self._sound(tag) or await self._again(job, frame)
+
+    async def image_elsewhere(self, job: Job, number: int) -> tuple[str, str] | None:
+        """The entity tag of a frame's image and a URL where it can be had; None if it is to be had from here."""
+        seconds = self._settings.download_redirect_s
+        if not seconds:
+            return None
+        found = await self.frames(job.id, number, 1)
+        tag = found[0].tag if found and found[0].number == number else None
+        if tag is None:
+            return None
+        link = await self._storage.do(self._storage.images.link, tag, seconds)
+        return None if link is None else (f'"{tag}"', link)
 
     async def stored(self, tag: str) -> Image | None:
         """The image that an entity tag names, which the caller closes; None if the disk has it not, or gives it not."""

@@ -21,6 +21,10 @@ class Near:
         self._far = far
         self._copies: Recent[_Copy] = Recent(limit)
 
+    def close(self) -> None:
+        """Give the copies up."""
+        self._copies.close()
+
     def open(self, name: str) -> Blob | None:
         """As `Files.open`."""
         if (copy := self._copies.get(name)) is not None:

@@ -24,6 +24,7 @@ class Job:
         created_ms, started_ms, finished_ms, expires_ms: milliseconds since 1970, UTC; None if that is not known yet.
         frames_total, frames_done, frames_failed: all, those with an image, those that ended without one.
         quadrics_hash: names the quadrics' file.
+        priority: see `PRIORITIES`.
         digest: of all that it means: requests with the same one ask for the same.
     """
 
@@ -40,6 +41,7 @@ class Job:
     quadrics_hash: str
     idempotency_key: str | None
     digest: str
+    priority: int
 
     @property
     def ended(self) -> bool:

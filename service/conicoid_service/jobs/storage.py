@@ -53,8 +53,8 @@ class Storage:
     def __init__(self, settings: Settings, *, migrate: bool = True) -> None:
         lifetime_ms, place = round(settings.result_lifetime_s * 1e3), settings.object_store
         if settings.farm:
-            self.images: Files = files_at(place, "images")
-            self.quadrics: Files = files_at(place, "quadrics")
+            self.images: Files = files_at(place, "images", "image/x-exr")
+            self.quadrics: Files = files_at(place, "quadrics", "application/octet-stream")
             self.holder: Holder | Named = Named()
             self._database = Database(settings.database_url, migrate=migrate)
         else:

@@ -3,14 +3,21 @@
 import asyncio
 import json
 import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import httpx
 
+from conicoid_service.jobs.files import Files, files_at
+from conicoid_service.pipeline import Commands
 from conicoid_service.settings import Settings
+from tests.farm.hand import working
 from tests.service.conftest import SCENE, named
+from tests.service.conftest import serving as _serving
+from tests.service.jobs import places
 
 VIEW = SCENE["camera"]
 ENDED = ("succeeded", "failed", "cancelled")
@@ -23,7 +30,22 @@ def batch(frames: int, name: str = "", **more: Any) -> dict[str, Any]:
 
 
 def settings(folder: Path, **changes: Any) -> Settings:
+    """Of a store that is the folder's own."""
+    changes |= places.of(folder)
     return replace(Settings(data_dir=folder / "store", image_cache_limit=0), **changes)
+
+
+@asynccontextmanager
+async def serving(settings: Settings, commands: Commands) -> AsyncIterator[httpx.AsyncClient]:
+    """As in `tests.service.conftest`, and for a farm a worker."""
+    async with _serving(settings, commands) as client:
+        with working(settings, commands) if settings.farm else nullcontext():
+            yield client
+
+
+def stored(settings: Settings, kind: str) -> Files:
+    """The files of the store, beside whoever uses them."""
+    return files_at(settings.object_store or settings.data_dir.as_uri(), kind, "")
 
 
 async def in_state(client: httpx.AsyncClient, href: str, *states: str) -> dict[str, Any]:

@@ -1,13 +1,28 @@
 """A service that keeps jobs, with a render process that draws anything."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import httpx
 import pytest
 
-from tests.service.conftest import FAKE, serving
-from tests.service.jobs.asking import settings
+from tests.farm.servers import Servers
+from tests.service.conftest import FAKE
+from tests.service.jobs import places
+from tests.service.jobs.asking import serving, settings
+
+
+@pytest.fixture(scope="session", autouse=True)
+def farm(request: pytest.FixtureRequest) -> Iterator[None]:
+    """With `--farm`, the servers of one."""
+    if not request.config.getoption("--farm"):
+        yield
+        return
+    with Servers() as servers, pytest.MonkeyPatch.context() as patch:
+        for name, value in servers.store.access().items():
+            patch.setenv(name, value)
+        patch.setattr(places, "servers", servers)
+        yield
 
 
 @pytest.fixture

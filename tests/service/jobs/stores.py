@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from conicoid_service.jobs.database import Database
+from conicoid_service.jobs.outbox import Outbox
 from conicoid_service.jobs.records import Claim, StoredImage
 from conicoid_service.jobs.store import JobStore, NewJob
 from conicoid_service.jobs.upkeep import Upkeep
 from conicoid_service.jobs.work import Work
+from tests.service.jobs import places
 
 LIFETIME_MS = 1000
 BAND_PIXELS = 1000
@@ -20,10 +22,11 @@ class Store:
     """All that is done to one database, by one server."""
 
     def __init__(self, folder: Path, holder: str = "me", owner_frame_limit: int = 1000) -> None:
-        self.database = Database(folder / "jobs.sqlite")
+        self.database = Database(places.of(folder).get("database_url") or folder / "jobs.sqlite")
         self.jobs = JobStore(self.database, LIFETIME_MS, owner_frame_limit, BAND_PIXELS)
         self.work = Work(self.database, holder, LIFETIME_MS)
         self.upkeep = Upkeep(self.database)
+        self.outbox = Outbox(self.database, LIFETIME_MS)
 
     def take(self, now_ms: int = 0) -> Claim:
         """A claim, which there must be."""

@@ -1,18 +1,33 @@
 """Jobs beyond one service's life, and what damage, time and a full store do to them."""
 
 import asyncio
-import os
 import time
 from pathlib import Path
 
 import httpx
 import pytest
 
-from tests.service.conftest import FAKE, named, serving
-from tests.service.jobs.asking import batch, ended, events_of, in_state, settings, submit
+from conicoid_service.blob import Blob
+from conicoid_service.jobs.files import Files
+from tests.service.conftest import FAKE, named
+from tests.service.jobs.asking import batch, ended, events_of, in_state, serving, settings, stored, submit
 from tests.service.test_http import assert_problem
 
 pytestmark = pytest.mark.anyio
+
+EVERY = 2**60  # older than that is every file
+
+
+def write(files: Files, name: str, data: bytes) -> None:
+    with Blob.of(data) as blob:
+        files.write(name, blob)
+
+
+def content(files: Files, name: str) -> bytes:
+    blob = files.open(name)
+    assert blob is not None
+    with blob:
+        return blob.read()
 
 
 async def test_job_outlives_the_service_and_is_finished_by_the_next(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
@@ -31,20 +46,20 @@ async def test_damaged_image_is_rendered_again(client: httpx.AsyncClient, tmp_pa
     job = await ended(client, (await submit(client, batch(3)))["href"])
     hrefs = [frame["href"] for frame in job["frames"]]
     images = [(await client.get(href)).content for href in hrefs]
-    folder = tmp_path / "store" / "images"
-    files = [next(folder.glob("*/" + frame["etag"].strip('"'))) for frame in job["frames"]]
-    files[0].unlink()
-    os.truncate(files[1], 100)
-    files[2].write_bytes(images[2][:-1] + bytes([images[2][-1] ^ 1]))
+    files, names = stored(settings(tmp_path), "images"), [frame["etag"].strip('"') for frame in job["frames"]]
+    files.remove(names[0])
+    write(files, names[1], images[1][:100])
+    write(files, names[2], images[2][:-1] + bytes([images[2][-1] ^ 1]))
     assert [(await client.get(href)).content for href in hrefs] == images
-    assert [file.read_bytes() for file in files] == images
+    assert [content(files, name) for name in names] == images
 
 
 async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
     async with serving(settings(tmp_path), FAKE) as client:
         job = await submit(client, batch(1, f"until {tmp_path / 'go'}"))
-    file = next((tmp_path / "store" / "quadrics").glob("??/*"))
-    file.write_bytes(file.read_bytes()[:100])
+    files = stored(settings(tmp_path), "quadrics")
+    name = next(files.names(EVERY))
+    write(files, name, content(files, name)[:100])
     (tmp_path / "go").touch()
     async with serving(settings(tmp_path), FAKE) as client:
         failed = await ended(client, job["href"])
@@ -59,7 +74,7 @@ async def test_expired_job_is_gone_with_its_files(tmp_path: Path, search_path: N
         while (await client.get(job["href"])).status_code == 200:
             assert time.monotonic() < deadline
             await asyncio.sleep(0.2)
-        while [*(tmp_path / "store" / "images").glob("??/*")]:
+        while [*stored(settings(tmp_path), "images").names(EVERY)]:
             assert time.monotonic() < deadline
             await asyncio.sleep(0.2)
 
