@@ -10,7 +10,6 @@ from functools import partial
 from types import FrameType
 from typing import TYPE_CHECKING, Any, cast
 
-from conicoid_service.errors import SettingsError, StoreError
 from conicoid_service.heap import keep_freed_memory
 from conicoid_service.pipeline import Pipeline
 from conicoid_service.settings import Settings, forget_secrets
@@ -57,20 +56,20 @@ def serve(
     _allow_descriptors(settings.connection_limit + _OWN_DESCRIPTORS)
     pipeline = Pipeline(settings)
     pipeline.start()
-    # Loading these takes as long as starting the children, which goes on meanwhile.
-    from conicoid_service.app import create_app
-    from conicoid_service.jobs.storage import Storage
-
     try:
+        # Loading these takes as long as starting the children, which goes on meanwhile.
+        from conicoid_service.app import create_app
+        from conicoid_service.jobs.storage import Storage
+
         app = create_app(settings, pipeline, storage=Storage(settings))
-    except (StoreError, SettingsError):
+        server = server_of(app, settings, host=host, port=port, log_config=None)
+    except BaseException:  # a signal's, too: the pipeline's threads would keep the process
         asyncio.run(pipeline.stop())
         raise
-    server = server_of(app, settings, host=host, port=port, log_config=None)
     if threading.current_thread() is threading.main_thread():
-        # uvicorn sends itself the signal again once it has stopped; an orderly stop is no failure.
+        # From now on, not only once uvicorn listens to them; it also sends itself the signal again when it has stopped.
         for ending in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(ending, lambda *_: None)
+            signal.signal(ending, server.handle_exit)
     server.run(sockets=None if listener is None else [listener])
     return server.started
 

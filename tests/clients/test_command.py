@@ -270,3 +270,18 @@ def test_help_and_version_load_nothing_heavy() -> None:
         assert status == "0"
         assert "conicoid" in done.stdout
         assert not heavy & set(loaded)
+
+
+@pytest.mark.parametrize(("ending", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_server_that_still_starts_ends_when_it_is_told(ending: signal.Signals, status: int) -> None:
+    with subprocess.Popen([CONICOID, "serve", "--port", "0"], stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr is not None
+        assert server.stderr.readline().startswith("serving")
+        while not children(server.pid):  # they start while the application is loaded
+            time.sleep(0.01)
+        server.send_signal(ending)
+        try:
+            assert server.wait(30) == status
+            assert "Traceback" not in server.stderr.read()
+        finally:
+            server.kill()

@@ -1,7 +1,6 @@
 """`conicoid serve`: the HTTP service, in the foreground."""
 
 import argparse
-import signal
 import socket
 import sys
 
@@ -19,9 +18,6 @@ def run(options: argparse.Namespace) -> None:
     host, port = listener.getsockname()[:2]
     if sys.stderr is not None:
         print(f"serving http://{f'[{host}]' if ':' in host else host}:{port}", file=sys.stderr, flush=True)
-    # An orderly stop is success: the server stops on these by itself, then sends itself the same signal once more.
-    for ending in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(ending, lambda *_: None)
     try:
         started = serve(settings=configuration, listener=listener)
     except (StoreError, SettingsError) as error:
