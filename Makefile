@@ -2,6 +2,7 @@
 
 PYTHON ?= python3
 ENGINE ?= $(firstword $(shell command -v podman docker))
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' pyproject.toml)
 SETUP := .venv/.setup
 EMBREE := build/embree_ellipsoids
 INTEL := build/intel
@@ -62,8 +63,12 @@ build/load/.setup: requirements/load.txt
 	$(@D)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
 	touch $@
 
-image:
-	$(ENGINE) build --file docker/Dockerfile --tag conicoid .
+# All in one; `make image-api image-worker` for a farm.
+image: image-all-in-one
+
+image-%:
+	$(ENGINE) build --file docker/Dockerfile --target $* --build-arg VERSION=$(VERSION) \
+		--build-arg REVISION=$$(git rev-parse HEAD) --tag $(patsubst conicoid-all-in-one,conicoid,conicoid-$*):$(VERSION) .
 
 test-embree: $(SETUP) $(EMBREE)
 	.venv/bin/pytest tests/embree

@@ -1,8 +1,9 @@
-"""What is shipped, made once for all tests here: the wheel, the image, and lysozyme as the checkout renders it."""
+"""What is shipped, made once for all tests here: the wheel, the images, and lysozyme as the checkout renders it."""
 
 import subprocess
 from ast import literal_eval
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,9 @@ import pytest
 from tests.checkout import BIN, ROOT
 from tests.container import podman
 
-IMAGE = "conicoid-test"
+# The default one, which a build without `--target` makes, comes last.
+TARGETS = ("worker", "api", "all-in-one")
+REVISION = "0123456789abcdef"
 
 
 @pytest.fixture(scope="session")
@@ -44,8 +47,8 @@ def pip_settings() -> Iterator[tuple[str, str]]:
 
 
 @pytest.fixture(scope="session")
-def image(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """The image of `docker/Dockerfile`, built from this checkout."""
+def images(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The images of `docker/Dockerfile` by target, built from this checkout."""
     scratch = tmp_path_factory.mktemp("image")
     settings = {name: value for name, value in pip_settings() if name in {"cert", "index-url", "proxy", "timeout"}}
     secrets = {"pip.conf": scratch / "pip.conf"}
@@ -54,5 +57,14 @@ def image(tmp_path_factory: pytest.TempPathFactory) -> str:
         settings["cert"] = "/run/secrets/ca.crt"
     secrets["pip.conf"].write_text("\n".join(["[global]", *(f"{name} = {value}" for name, value in settings.items())]))
     podman.ensure_base(scratch)
-    podman.build(ROOT, IMAGE, secrets)
-    return IMAGE
+    tags = {target: f"conicoid-test-{target}" for target in TARGETS}
+    for target, tag in tags.items():
+        podman.build(ROOT, target, tag, secrets, {"VERSION": version("conicoid"), "REVISION": REVISION})
+    podman.prune()
+    return tags
+
+
+@pytest.fixture(scope="session")
+def image(images: dict[str, str]) -> str:
+    """The default image."""
+    return images["all-in-one"]

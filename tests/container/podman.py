@@ -1,10 +1,12 @@
 """Podman with a store of its own: Debian's package, no daemon, no image registry, no kernel features beyond chroot."""
 
+import json
 import os
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 AS_ROOT = [] if os.geteuid() == 0 else ["sudo"]
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "conicoid"
@@ -16,32 +18,45 @@ PODMAN = [
     "--runtime=runc", "--cgroup-manager=cgroupfs", "--events-backend=file",
 ]  # fmt: skip
 
-# What a careful farm would set; the limits are explicit because podman's own are above what a CI machine may grant.
+# What a careful farm would set, with /tmp as Docker's --tmpfs makes it; the limits are explicit because podman's own
+# are above what a CI machine may grant.
 LOCKED_DOWN = [
-    "--network=none", "--read-only", "--cap-drop=all", "--security-opt=no-new-privileges",
-    "--ulimit=nofile=1024:1024", "--ulimit=nproc=4096:4096",
+    "--read-only", "--read-only-tmpfs=false", "--tmpfs=/tmp:rw,noexec,nosuid,nodev,mode=1777", "--cap-drop=all",
+    "--security-opt=no-new-privileges", "--ulimit=nofile=1024:1024", "--ulimit=nproc=4096:4096",
 ]  # fmt: skip
 
 
-def build(context: Path, tag: str, secrets: dict[str, Path]) -> None:
-    """Build the image of `docker/Dockerfile`; each secret is a file for the build that stays out of the image."""
+def build(context: Path, target: str, tag: str, secrets: dict[str, Path], arguments: dict[str, str]) -> None:
+    """Build a target of `docker/Dockerfile`; each secret is a file for the build that stays out of the image."""
     given = [f"--secret=id={name},src={path}" for name, path in secrets.items()]
-    how = ["--pull=never", "--isolation=chroot", "--format=docker", *given]
+    given += [f"--build-arg={name}={value}" for name, value in arguments.items()]
+    how = ["--pull=never", "--isolation=chroot", "--format=docker", f"--target={target}", *given]
     subprocess.run([*PODMAN, "build", *how, "--file=docker/Dockerfile", f"--tag={tag}", "."], cwd=context, check=True)
-    subprocess.run([*PODMAN, "image", "prune", "--force"], check=True)  # earlier builds, or the store grows for ever
 
 
-def run(*arguments: str, image: str, stdin: bytes = b"", entrypoint: str | None = None) -> bytes:
-    """Standard output of the image run locked down, without network; its errors go to standard error."""
-    start = [] if entrypoint is None else [f"--entrypoint={entrypoint}"]
-    command = [*PODMAN, "run", "--rm", "--interactive", *LOCKED_DOWN, *start, image, *arguments]
+def prune() -> None:
+    """Drop what earlier builds have left, or the store grows for ever."""
+    subprocess.run([*PODMAN, "image", "prune", "--force"], check=True)
+
+
+def inspect(image: str) -> dict[str, Any]:
+    """What an image says about itself."""
+    command = [*PODMAN, "image", "inspect", image]
+    found: list[dict[str, Any]] = json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+    return found[0]
+
+
+def run(*arguments: str, image: str, stdin: bytes = b"", options: Sequence[str] = ("--network=none",)) -> bytes:
+    """Standard output of the image run locked down; its errors go to standard error."""
+    # Podman's own health checks need systemd.
+    command = [*PODMAN, "run", "--rm", "--interactive", "--no-healthcheck", *LOCKED_DOWN, *options, image, *arguments]
     return subprocess.run(command, input=stdin, stdout=subprocess.PIPE, check=True).stdout
 
 
 @contextmanager
-def started(image: str) -> Iterator[str]:
-    """The id of a container that runs the image's own command; it is removed in the end, however that comes."""
-    command = [*PODMAN, "run", "--detach", *LOCKED_DOWN, image]
+def started(*arguments: str, image: str, options: Sequence[str] = ("--network=none",)) -> Iterator[str]:
+    """The id of a container that runs in the background; it is removed in the end, however that comes."""
+    command = [*PODMAN, "run", "--detach", *LOCKED_DOWN, *options, image, *arguments]
     container = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
     try:
         yield container
@@ -54,11 +69,17 @@ def execute(container: str, *command: str) -> subprocess.CompletedProcess[bytes]
     return subprocess.run([*PODMAN, "exec", container, *command], stdout=subprocess.PIPE, check=False)
 
 
+def healthy(container: str) -> bool:
+    """Whether the image's own health check passes now."""
+    command = [*PODMAN, "healthcheck", "run", container]
+    return subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode == 0
+
+
 def stop(container: str, grace_s: int) -> int:
-    """Exit status of the container after SIGTERM; 137 where it had to be killed after `grace_s` seconds."""
+    """Exit status of the container after its signal to stop; 137 where it had to be killed after `grace_s` seconds."""
     subprocess.run([*PODMAN, "stop", f"--time={grace_s}", container], stdout=subprocess.DEVNULL, check=True)
-    inspect = [*PODMAN, "inspect", "--format={{.State.ExitCode}}", container]
-    return int(subprocess.run(inspect, stdout=subprocess.PIPE, check=True).stdout)
+    status = [*PODMAN, "inspect", "--format={{.State.ExitCode}}", container]
+    return int(subprocess.run(status, stdout=subprocess.PIPE, check=True).stdout)
 
 
 def ensure_base(scratch: Path) -> None:
