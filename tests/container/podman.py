@@ -55,12 +55,13 @@ def run(*arguments: str, image: str, stdin: bytes = b"", options: Sequence[str] 
 
 @contextmanager
 def started(*arguments: str, image: str, options: Sequence[str] = ("--network=none",)) -> Iterator[str]:
-    """The id of a container that runs in the background; it is removed in the end, however that comes."""
+    """The id of a container that runs in the background; its log is shown and it is removed in the end."""
     command = [*PODMAN, "run", "--detach", *LOCKED_DOWN, *options, image, *arguments]
     container = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
     try:
         yield container
     finally:
+        subprocess.run([*PODMAN, "logs", container], check=True)
         subprocess.run([*PODMAN, "rm", "--force", "--volumes", container], stdout=subprocess.DEVNULL, check=True)
 
 
