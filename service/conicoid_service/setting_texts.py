@@ -90,7 +90,7 @@ def database_url(text: str) -> str:
     Raises:
         ValueError: it is none; the message has no password.
     """
-    return _url(text, "PostgreSQL database", {"postgresql": "postgresql://user:password@host/name"})
+    return _url(text, "a PostgreSQL database", {"postgresql": "postgresql://user:password@host/name"})
 
 
 def broker_url(text: str) -> str:
@@ -100,7 +100,7 @@ def broker_url(text: str) -> str:
         ValueError: it is none; the message has no password.
     """
     example = "amqp://user:password@host/name"
-    return _url(text, "RabbitMQ server", {"amqp": example, "amqps": example})
+    return _url(text, "a RabbitMQ server", {"amqp": example, "amqps": example})
 
 
 def object_store(text: str) -> str:
@@ -110,13 +110,13 @@ def object_store(text: str) -> str:
         ValueError: it is none.
     """
     example = "s3://bucket/prefix or file:///directory"
-    return _url(text, "object store", dict.fromkeys(("s3", "gs", "az", "file"), example))
+    return _url(text, "an object store", dict.fromkeys(("s3", "gs", "az", "file"), example))
 
 
 def _url(text: str, kind: str, schemes: Mapping[str, str]) -> str:
     parts = urlsplit(text)
     if parts.scheme not in schemes or not (parts.path if parts.scheme == "file" else parts.netloc):
-        raise ValueError(f"the value is no URL of a {kind}; write one like {next(iter(schemes.values()))}")
+        raise ValueError(f"the value is no URL of {kind}; write one like {next(iter(schemes.values()))}")
     return text
 
 

@@ -54,6 +54,12 @@ def test_every_setting_is_read_from_its_variable() -> None:
         "CONICOID_BODY_TIMEOUT_S": "4.5",
         "CONICOID_SEND_TIMEOUT_S": "5.5",
         "CONICOID_LOG_FORMAT": "json",
+        "CONICOID_DATABASE_URL": "postgresql://a:b@host/c",
+        "CONICOID_BROKER_URL": "amqp://a:b@host/c",
+        "CONICOID_OBJECT_STORE": "s3://bucket/prefix",
+        "CONICOID_DOWNLOAD_REDIRECT_S": "6.5",
+        "CONICOID_BAND_PIXELS": "16",
+        "CONICOID_WORKER_PORT": "17",
     }
     assert values.keys() == {variable(one.name) for one in fields(Settings)}
     assert Settings.from_environment(values) == Settings(
@@ -76,6 +82,12 @@ def test_every_setting_is_read_from_its_variable() -> None:
         body_timeout_s=4.5,
         send_timeout_s=5.5,
         log_format="json",
+        database_url="postgresql://a:b@host/c",
+        broker_url="amqp://a:b@host/c",
+        object_store="s3://bucket/prefix",
+        download_redirect_s=6.5,
+        band_pixels=16,
+        worker_port=17,
     )  # fmt: skip
 
 
@@ -96,6 +108,27 @@ def test_every_setting_is_read_from_its_variable() -> None:
 def test_a_value_that_cannot_be_is_refused_by_its_variables_name(name: str, text: str) -> None:
     with pytest.raises(SettingsError, match=rf"CONICOID_{name}: '{re.escape(text)}' is not"):
         Settings.from_environment({f"CONICOID_{name}": text})
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "rule"),
+    [
+        ("BROKER_URL", "redis://:secret@host", "is no URL of a RabbitMQ server; write one like amqp://"),
+        ("DATABASE_URL", "mysql://a:secret@host/b", "is no URL of a PostgreSQL database; write one like postgresql://"),
+        ("DATABASE_URL", "postgresql:a", "is no URL of a PostgreSQL database"),
+        ("OBJECT_STORE", "/mnt/share", "is no URL of an object store; write one like s3://bucket/prefix or file:///"),
+        ("OBJECT_STORE", "s3:///prefix", "is no URL of an object store"),
+    ],
+)
+def test_a_place_that_no_farm_can_have_is_refused_without_its_password(name: str, text: str, rule: str) -> None:
+    with pytest.raises(SettingsError, match=rf"CONICOID_{name}: .*{rule}") as refused:
+        Settings.from_environment({f"CONICOID_{name}": text})
+    assert "secret" not in str(refused.value)
+
+
+def test_half_a_farm_is_refused() -> None:
+    with pytest.raises(SettingsError, match="CONICOID_DATABASE_URL, CONICOID_OBJECT_STORE: not set, and a farm needs"):
+        Settings.from_environment({"CONICOID_BROKER_URL": "amqp://host"})
 
 
 def test_other_variables_are_not_looked_at() -> None:
