@@ -1,6 +1,7 @@
 """Jobs beyond one service's life, and what damage, time and a full store do to them."""
 
 import asyncio
+import json
 import time
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import pytest
 
 from conicoid_service.blob import Blob
 from conicoid_service.jobs.files import Files
+from conicoid_service.pipeline import Commands
+from tests.checkout import ROOT
 from tests.service.conftest import FAKE, named
 from tests.service.jobs.asking import batch, ended, events_of, in_state, serving, settings, stored, submit
 from tests.service.test_http import assert_problem
@@ -64,6 +67,20 @@ async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, s
     async with serving(settings(tmp_path), FAKE) as client:
         failed = await ended(client, job["href"])
         assert failed["frames"][0]["error"]["code"] == "quadrics-file"
+
+
+async def test_frame_that_is_rendered_in_bands_is_what_a_render_in_one_piece_gives(tmp_path: Path) -> None:
+    document = json.loads((ROOT / "examples/shapes.json").read_text("utf-8"))
+    document["camera"] |= {"width": 160, "height": 90}
+    document["output"] = {"channels": ["Z", "N", "id"], "data_window": "tight", "half_normals": True}
+    async with serving(settings(tmp_path, band_pixels=160 * 20), Commands()) as client:
+        rendered = await client.post("/v1/render", json=document)
+        job = await ended(client, (await submit(client, document))["href"])
+        assert job["state"] == "succeeded"
+        image = await client.get(job["frames"][0]["href"])
+        assert (image.content, image.headers["etag"]) == (rendered.content, rendered.headers["etag"])
+        assert image.headers["conicoid-settled"] == rendered.headers["conicoid-settled"]
+        assert len([*stored(settings(tmp_path), "images").names(EVERY)]) == 1 + 5
 
 
 async def test_expired_job_is_gone_with_its_files(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001

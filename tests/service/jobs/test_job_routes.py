@@ -41,6 +41,13 @@ async def test_one_camera_makes_a_job_of_one_frame(client: httpx.AsyncClient) ->
     assert (job["state"], job["frames_total"]) == ("succeeded", 1)
 
 
+async def test_priority_is_told_and_no_other_word_is_one(client: httpx.AsyncClient) -> None:
+    assert (await submit(client, named("")))["priority"] == "normal"
+    response = await client.post("/v1/jobs?priority=high", json=named(""))
+    assert (response.status_code, response.json()["priority"]) == (202, "high")
+    assert_problem(await client.post("/v1/jobs?priority=urgent", json=named("")), 422, "parameter")
+
+
 async def test_render_may_be_asked_for_as_a_job(client: httpx.AsyncClient) -> None:
     response = await client.post("/v1/render", json=named(""), headers={"Prefer": "wait=10, respond-async"})
     assert response.status_code == 202
