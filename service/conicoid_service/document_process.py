@@ -47,7 +47,7 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
     if message["do"] == "keep":
         answer = partial(_keep, parse_quadrics(text, arrays, most_quadrics=limits["quadrics"]))
     elif message["do"] == "read":
-        part = Part.of(message["frame"], message["band"])
+        part = Part.of(message.get("frame"), message.get("band"))
         document = read_document(text, arrays, part, most_quadrics=limits["quadrics"])
         camera, output = view_of(document, part)
         x0, y0, x1, y1 = camera.crop
