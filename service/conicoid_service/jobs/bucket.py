@@ -74,6 +74,14 @@ class Bucket:
             raise
         return blob
 
+    def size(self, name: str) -> int | None:
+        """As `Files.size`."""
+        try:
+            with _as_os_error():
+                return int(obstore.head(self._store, _key(name))["size"])
+        except FileNotFoundError:
+            return None
+
     def remove(self, name: str) -> None:
         """As `Files.remove`."""
         try:

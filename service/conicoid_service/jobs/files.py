@@ -25,6 +25,10 @@ class Files(Protocol):
         """The file, which the caller closes; None if it is not there. What is open can be read after it was removed."""
         ...
 
+    def size(self, name: str) -> int | None:
+        """Bytes of a file; None if it is not there."""
+        ...
+
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""
         ...

@@ -53,6 +53,13 @@ class Folder:
         except FileNotFoundError:
             return None
 
+    def size(self, name: str) -> int | None:
+        """Bytes of a file; None if it is not there."""
+        try:
+            return self._place(name).stat().st_size
+        except FileNotFoundError:
+            return None
+
     def remove(self, name: str) -> None:
         """Remove a file, if it is there."""
         self._place(name).unlink(missing_ok=True)

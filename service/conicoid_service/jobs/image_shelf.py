@@ -47,12 +47,11 @@ class ImageShelf:
         return StoredImage(name, len(image.blob), sha256_of(image.blob), *about)
 
     def about(self, tag: str, now_ms: int) -> StoredImage | None:
-        """What is known of an image that is there; None, and forgotten, if it is not as it was written."""
-        found = self.get(tag, now_ms)
-        if found is None:
+        """What is known of an image that is there; None, and forgotten, if it is missing or cut short."""
+        known = self._upkeep.image(name_of(tag), now_ms)
+        if known is not None and self._files.size(known.tag) != known.bytes:
+            self.forget(known)
             return None
-        image, known = found
-        image.blob.close()
         return known
 
     def get(self, tag: str, now_ms: int) -> tuple[Image, StoredImage] | None:

@@ -149,7 +149,7 @@ class Jobs:
             error.retry_after_s = None if job.ended else 1
             raise error
         tag = f'"{frame.tag}"'
-        return tag, await self._sound(tag) or await self._again(job, frame)
+        return tag, await self._storage.image(tag) or await self._again(job, frame)
 
     async def image_elsewhere(self, job: Job, number: int) -> tuple[str, str] | None:
         """The entity tag of a frame's image and a URL where it can be had; None if it is to be had from here."""
@@ -160,26 +160,16 @@ class Jobs:
         tag = found[0].tag if found and found[0].number == number else None
         if tag is None:
             return None
-        link = await self._storage.do(self._storage.images.link, tag, seconds)
+        storage = self._storage
+        if await storage.do(storage.shelf.about, tag, now_ms()) is None:
+            return None
+        link = await storage.do(storage.images.link, tag, seconds)
         return None if link is None else (f'"{tag}"', link)
 
     async def stored(self, tag: str) -> Image | None:
         """The image that an entity tag names, which the caller closes; None if the disk has it not, or gives it not."""
         with suppress(StorageError):
-            return await self._sound(tag)
-        return None
-
-    async def _sound(self, tag: str) -> Image | None:
-        """A stored image, if it is as it was written."""
-        storage = self._storage
-        found = await storage.do(storage.shelf.get, tag, now_ms())
-        if found is None:
-            return None
-        image, known = found
-        if await asyncio.to_thread(sha256_of, image.blob) == known.sha256:
-            return image
-        image.blob.close()
-        await storage.do(storage.shelf.forget, known)
+            return await self._storage.image(tag)
         return None
 
     async def _again(self, job: Job, frame: Frame) -> Image:
@@ -187,7 +177,7 @@ class Jobs:
         storage = self._storage
         again = await self._painter.paint(await storage.do(storage.work.frame, job.id, frame.number), batch=False)
         await storage.do(storage.upkeep.remember, again, now_ms())
-        image = await self._sound(again.tag) if again.tag == frame.tag else None
+        image = await self._storage.image(again.tag) if again.tag == frame.tag else None
         if image is None:
             raise FrameFailedError(
                 f"the image of frame {frame.number} was damaged on the disk, and this version or device would make "

@@ -38,6 +38,10 @@ class Near:
         """As `Files.write`."""
         self._far.write(name, blob)
 
+    def size(self, name: str) -> int | None:
+        """As `Files.size`."""
+        return self._far.size(name)
+
     def remove(self, name: str) -> None:
         """As `Files.remove`."""
         self._copies.drop(name)

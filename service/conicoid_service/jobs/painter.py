@@ -71,13 +71,14 @@ class Painter:
 
     async def _band(self, claim: Claim, tag: str | None, batch: bool) -> Image:
         storage = self._storage
-        found = None if tag is None else await storage.do(storage.shelf.get, tag, now_ms())
-        if found is None:
+        image = None if tag is None else await storage.image(tag)
+        if image is None:
             again = await self.paint(claim, batch=batch)
-            found = await storage.do(storage.shelf.get, again.tag, now_ms())
-        if found is None:
+            await storage.do(storage.upkeep.remember, again, now_ms())
+            image = await storage.image(again.tag)
+        if image is None:
             raise ServiceError(f"band {claim.band} of the frame is damaged as soon as it is stored")
-        return found[0]
+        return image
 
 
 def _view(claim: Claim) -> tuple[bytes, str]:

@@ -13,11 +13,12 @@ from sqlalchemy.exc import DBAPIError
 from conicoid_service.blob import Blob
 from conicoid_service.errors import StorageError, StoreError
 from conicoid_service.images import Image
+from conicoid_service.jobs.clock import now_ms
 from conicoid_service.jobs.database import Database, refuses
 from conicoid_service.jobs.files import Files, files_at
 from conicoid_service.jobs.folder import Folder
 from conicoid_service.jobs.holder import Holder, Named
-from conicoid_service.jobs.image_shelf import ImageShelf
+from conicoid_service.jobs.image_shelf import ImageShelf, sha256_of
 from conicoid_service.jobs.leadership import Leadership
 from conicoid_service.jobs.outbox import Outbox
 from conicoid_service.jobs.store import JobStore
@@ -104,6 +105,24 @@ class Storage:
             except StorageError as error:
                 logger.warning("%s", error)
                 await asyncio.sleep(RETRY_S)
+
+    async def image(self, tag: str) -> Image | None:
+        """The image that an entity tag names, which the caller closes.
+
+        None, and forgotten, if it is missing or not as it was written.
+
+        Raises:
+            StorageError: as in `do`.
+        """
+        found = await self.do(self.shelf.get, tag, now_ms())
+        if found is None:
+            return None
+        image, known = found
+        if await asyncio.to_thread(sha256_of, image.blob) == known.sha256:
+            return image
+        image.blob.close()
+        await self.do(self.shelf.forget, known)
+        return None
 
     def check(self) -> None:
         """Write and remove a small file.
