@@ -25,6 +25,7 @@ from tests.checkout import BIN
 from tests.farm.processes import Process, server_port
 
 _PASSWORD = "not-secret"
+_BUCKET = "conicoid"
 _PATH = "/usr/bin:/bin"
 
 
@@ -241,11 +242,12 @@ def _postgres(program: str) -> str:
 
 
 class Store(Server):
-    """An S3-compatible server over a folder, whose subfolders are the buckets: rclone."""
+    """An S3-compatible server over a folder, whose subfolders are buckets, of which it has one: rclone."""
 
     def _started(self) -> Process:
-        (self.folder / "buckets").mkdir(exist_ok=True)
-        words = ["serve", "s3", str(self.folder / "buckets"), "--addr", f"{self.address}:{self.port}"]
+        buckets = self.folder / "buckets"
+        (buckets / _BUCKET).mkdir(parents=True, exist_ok=True)  # before it starts, as it looks rarely
+        words = ["serve", "s3", str(buckets), "--addr", f"{self.address}:{self.port}"]
         words += ["--auth-key", f"conicoid,{_PASSWORD}", "--config", ""]
         words += ["--dir-cache-time", "0"]  # buckets are made, and files looked at, beside it
         environment = {"PATH": _PATH, "HOME": str(self.folder)}
@@ -260,11 +262,9 @@ class Store(Server):
     def endpoint(self) -> str:
         return f"http://{self.address}:{self.port}"
 
-    def create(self, bucket: str = "") -> str:
-        """A new bucket, empty; its URL."""
-        bucket = bucket or f"test{next(self._names)}"
-        (self.folder / "buckets" / bucket).mkdir()
-        return f"s3://{bucket}"
+    def create(self) -> str:
+        """A new folder in the bucket, empty; its URL."""
+        return f"s3://{_BUCKET}/test{next(self._names)}"
 
     def access(self, endpoint: str = "") -> dict[str, str]:
         """The usual variables for it, or for something between it and its users."""
@@ -287,7 +287,7 @@ class Servers:
         self._open = ExitStack()
 
     def environment(self) -> dict[str, str]:
-        """Variables of a farm of its own: a new virtual host, database and bucket."""
+        """Variables of a farm of its own: a new virtual host, database and folder of the bucket."""
         return {
             "CONICOID_BROKER_URL": self.broker.create(),
             "CONICOID_DATABASE_URL": self.database.create(),

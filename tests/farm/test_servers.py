@@ -20,8 +20,9 @@ QUORUM = {"x-queue-type": "quorum"}
 
 def bucket(store: Store, url: str) -> S3Store:
     access = store.access()
+    name, _, prefix = url.removeprefix("s3://").partition("/")
     return S3Store(
-        url.removeprefix("s3://"), endpoint=access["AWS_ENDPOINT_URL"], access_key_id=access["AWS_ACCESS_KEY_ID"],
+        name, prefix=prefix, endpoint=access["AWS_ENDPOINT_URL"], access_key_id=access["AWS_ACCESS_KEY_ID"],
         secret_access_key=access["AWS_SECRET_ACCESS_KEY"], region=access["AWS_REGION"],
         client_options={"allow_http": True},
     )  # fmt: skip
