@@ -63,11 +63,11 @@ build/load/.setup: requirements/load.txt
 	$(@D)/bin/pip install --quiet --only-binary=:all: --require-hashes --requirement $<
 	touch $@
 
-# All in one; `make image-api image-worker` for a farm.
+# All in one; `make image-api image-worker` for a farm. Podman keeps health checks in Docker's format only.
 image: image-all-in-one
 
 image-%:
-	$(ENGINE) build --file docker/Dockerfile --target $* --build-arg VERSION=$(VERSION) \
+	BUILDAH_FORMAT=docker $(ENGINE) build --file docker/Dockerfile --target $* --build-arg VERSION=$(VERSION) \
 		--build-arg REVISION=$$(git rev-parse HEAD) --tag $(patsubst conicoid-all-in-one,conicoid,conicoid-$*):$(VERSION) .
 
 test-embree: $(SETUP) $(EMBREE)
