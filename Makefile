@@ -76,6 +76,7 @@ test-embree: $(SETUP) $(EMBREE)
 # Needs Debian's rabbitmq-server, postgresql and iproute2; as root, for networks that can be cut.
 test-farm: $(SETUP)
 	.venv/bin/pytest tests/farm
+	.venv/bin/pytest tests/service/jobs --farm
 
 # Needs Debian's gappa.
 test-gappa: $(SETUP)

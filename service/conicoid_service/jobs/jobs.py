@@ -77,6 +77,13 @@ class Jobs:
         """Frames that ended since the start, by how."""
         return self._executor.ended
 
+    async def units_sent(self) -> dict[str, float]:
+        """Units that a farm's broker has, or has lost, by priority."""
+        outbox = self._storage.outbox
+        if not self._settings.farm:
+            return {}
+        return {name: float(await self._storage.do(outbox.out, urgency)) for name, urgency in PRIORITIES.items()}
+
     async def submit(self, body: Body, owner: str, key: str | None, priority: Priority) -> tuple[Job, bool, Timings]:
         """A job for the frames of a document, on the disk then, and whether it is new; takes the body over.
 

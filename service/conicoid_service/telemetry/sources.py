@@ -33,6 +33,11 @@ def watch(readers: Readers, state: State) -> None:
         counts: Readings = await state.jobs.counts(what) if state.jobs else {}
         return counts
 
+    async def units_sent() -> Readings:
+        sent: Readings = await state.jobs.units_sent() if state.jobs else {}
+        return sent
+
+    readers.watch("conicoid_units_sent", units_sent)
     readers.watch("conicoid_jobs", lambda: counted("jobs"))
     readers.watch("conicoid_frames", lambda: counted("frames"))
     readers.watch("conicoid_store_bytes", lambda: counted("bytes"))

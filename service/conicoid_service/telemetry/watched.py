@@ -35,6 +35,7 @@ WATCHED: Final[Mapping[str, Watched]] = {
     "conicoid_jobs": Watched("gauge", "Jobs in the store", "state"),
     "conicoid_frames": Watched("gauge", "Frames of the jobs in the store", "state"),
     "conicoid_frames_ended": Watched("counter", "Frames that ended since the start", "outcome"),
+    "conicoid_units_sent": Watched("gauge", "Units of a farm that were sent to its broker and not taken", "priority"),
     "conicoid_store_bytes": Watched("gauge", "Bytes of images on the disk"),
     "conicoid_store_limit_bytes": Watched("gauge", "Bytes of images that the disk may take"),
 }
