@@ -51,7 +51,7 @@ def test_farm_of_containers_renders_the_checkouts_bytes(
         assert job.status_code == 202, job.text
         location = address + job.headers["Location"]
         wait(lambda: json.loads(httpx.get(location).content)["state"] in {"succeeded", "failed"})
-        frame = httpx.get(f"{location}/frames/0", follow_redirects=True)
+        frame = httpx.get(f"{location}/frames/0", timeout=60)
         assert frame.status_code == 200, frame.text
         assert frame.content == checkout_exr
         assert podman.stop(worker, grace_s=60) == 0
