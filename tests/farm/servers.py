@@ -249,7 +249,6 @@ class Store(Server):
         (buckets / _BUCKET).mkdir(parents=True, exist_ok=True)  # before it starts, as it looks rarely
         words = ["serve", "s3", str(buckets), "--addr", f"{self.address}:{self.port}"]
         words += ["--auth-key", f"conicoid,{_PASSWORD}", "--config", ""]
-        words += ["--dir-cache-time", "0"]  # buckets are made, and files looked at, beside it
         environment = {"PATH": _PATH, "HOME": str(self.folder)}
         return Process([str(BIN / "rclone"), *words], self.folder / "log", environment)
 

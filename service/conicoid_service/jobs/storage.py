@@ -3,6 +3,7 @@
 import asyncio
 import errno
 import logging
+import secrets
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -130,7 +131,7 @@ class Storage:
         Raises:
             OSError: it is not taken.
         """
-        name = f"check-{self.holder.name}"
+        name = f"check-{secrets.token_hex(8)}"
         with Blob.of(b"conicoid\n") as blob:
             self.images.write(name, blob)
         self.images.remove(name)

@@ -19,23 +19,29 @@ def of_frame(unit: Unit) -> list[Any]:
 
 
 def owners_who_wait(connection: Connection, now_ms: int, *more: Any) -> list[str]:
-    """Whose units wait, in order; `more` are conditions on jobs and frames."""
-    some = exists().where(frames.c.job_id == jobs.c.id, *_waiting(now_ms), *more)
-    query = select(jobs.c.owner).where(jobs.c.state.in_(UNFINISHED), some).distinct().order_by(jobs.c.owner)
+    """Whose units wait, in order; `more` are conditions on jobs and units."""
+    query = select(jobs.c.owner).where(*_with_waiting(now_ms, *more)).distinct().order_by(jobs.c.owner)
     return list(connection.execute(query).scalars())
 
 
 def waiting_units(connection: Connection, owner: str, now_ms: int, limit: int, *more: Any) -> list[Unit]:
     """The first units of an owner that wait, of urgent and then of old jobs first, which nobody else takes now."""
-    query = (
-        select(frames.c.job_id, frames.c.number, frames.c.band)
-        .join_from(jobs, frames)
-        .where(jobs.c.owner == owner, jobs.c.state.in_(UNFINISHED), *_waiting(now_ms), *more)
-        .order_by(jobs.c.priority.desc(), jobs.c.id, frames.c.number, frames.c.band)
-        .limit(limit)
-        .with_for_update(of=frames, skip_locked=True)  # in PostgreSQL; in SQLite whoever writes is alone
-    )
-    return [Unit(*row) for row in connection.execute(query)]
+    # Job by job: each query reads no more rows than it gives and those that are not to be had before them.
+    urgent = select(jobs.c.id).where(jobs.c.owner == owner, *_with_waiting(now_ms, *more))
+    units: list[Unit] = []
+    for job_id in connection.execute(urgent.order_by(jobs.c.priority.desc(), jobs.c.id).limit(limit)).scalars():
+        query = (
+            select(frames.c.job_id, frames.c.number, frames.c.band)
+            .join_from(frames, jobs)
+            .where(frames.c.job_id == job_id, *_waiting(now_ms), *more)
+            .order_by(frames.c.number, frames.c.band)
+            .limit(limit - len(units))
+            .with_for_update(of=frames, skip_locked=True)  # in PostgreSQL; in SQLite whoever writes is alone
+        )
+        units += [Unit(*row) for row in connection.execute(query)]
+        if len(units) == limit:
+            break
+    return units
 
 
 def end_unit(
@@ -81,6 +87,11 @@ def _give_up_bands(connection: Connection, unit: Unit) -> None:
     unfinished = frames.c.state.in_(UNFINISHED)
     state = case((unfinished, "cancelled"), else_=frames.c.state)
     _update(connection, [*of_frame(unit), frames.c.band > 0], {"tag": None, "state": state})
+
+
+def _with_waiting(now_ms: int, *more: Any) -> list[Any]:
+    """Jobs of which units wait; it looks at no more of each than there are before one that does."""
+    return [jobs.c.state.in_(UNFINISHED), exists().where(frames.c.job_id == jobs.c.id, *_waiting(now_ms), *more)]
 
 
 def _waiting(now_ms: int) -> list[Any]:
