@@ -62,9 +62,12 @@ def end_unit(
         return _update(connection, whole, {"bands_left": frames.c.bands_left - 1})
     done, failed = done + succeeded, failed + (not succeeded)
     whole = [*of_frame(unit), frames.c.band == 0, *([frames.c.state.in_(UNFINISHED)] if unit.band else where)]
-    if not _update(connection, whole, {**ended, "ended_as": done + failed}):
+    values = {**ended, "ended_as": done + failed}
+    bands = connection.execute(update(frames).where(*whole).values(values).returning(frames.c.bands)).scalar()
+    if bands is None:
         return False
-    _give_up_bands(connection, unit)
+    if bands:
+        _give_up_bands(connection, unit)
     counted = {"frames_done": done, "frames_failed": failed}
     connection.execute(update(jobs).where(jobs.c.id == unit.job_id).values(counted))
     if done + failed == total:
