@@ -7,7 +7,7 @@ already known, while a long render runs (`docs/decisions` has the measurements).
 
 import asyncio
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -88,8 +88,16 @@ class Pipeline:
         on_answer: called with every answer of a child and what it took.
     """
 
-    def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
-        """Describe both; `commands` are other child processes, for tests of supervision: no setting leads here."""
+    def __init__(
+        self, settings: Settings, commands: Commands | None = None, warm: Collection[str] = ("document", "render")
+    ) -> None:
+        """Describe both.
+
+        Args:
+            settings: what they are told.
+            commands: other child processes, for tests of supervision: no setting leads here.
+            warm: which of them `start` starts; another one is started by the first request that needs it.
+        """
         commands = commands or Commands()
         self._limits = {
             "quadrics": settings.quadric_limit,
@@ -101,19 +109,19 @@ class Pipeline:
         pool = partial(Pool, queue_length=settings.queue_length, owner_queue_length=settings.owner_queue_length)
         deadlines = settings.deadline_s, settings.start_deadline_s
         self.kept = KeptScenes(settings.kept_limit)
+        self._warm = warm
         self.on_answer: Callable[[context.Step, Message], None] = lambda *_: None
         self._documents = pool(Kind("document", commands.document, {}, *deadlines))
         renders = Kind("render", commands.render, _configuration(settings), *deadlines, settings.render_recycle_after)
         self._renders = pool(renders, processes=settings.render_processes)
 
-    def start(self, *, documents: bool = True) -> None:
-        """Start the children in the background, if they are not started already; without `documents`, one of them.
+    def start(self) -> None:
+        """Start the children that are to be warm in the background, if they are not started already.
 
         They load what they need while the caller loads an HTTP server or client: nothing here needs one.
         """
-        if documents:
-            self._documents.start()
-        self._renders.start()
+        for name in self._warm:
+            self.children[name].start()
 
     async def stop(self) -> None:
         """End both children and give up what is kept."""
