@@ -40,7 +40,7 @@ class Pool:
     """Some child processes and the line in front of them."""
 
     def __init__(self, kind: Kind, *, queue_length: int, owner_queue_length: int, processes: int = 1) -> None:
-        """Describe as many children as `processes`, which `start` or the first request runs; the rest is as in `Line`."""
+        """Describe as many children as `processes`, which `start` or the first request runs; the rest as in `Line`."""
         self.name = kind.name
         self._line = Line(
             kind.name, queue_length=queue_length, owner_queue_length=owner_queue_length, processes=processes
