@@ -104,12 +104,13 @@ async def _keep_jobs(app: FastAPI, storage: "Storage | None") -> None:
     """Begin to render what is in the job store."""
     # What it needs takes as long to load as a short render.
     from conicoid_service.jobs.jobs import Jobs
+    from conicoid_service.jobs.scene_shelf import SceneShelf
     from conicoid_service.jobs.storage import Storage
 
     state = app.state
     opened = storage if storage is not None else await asyncio.to_thread(Storage, state.settings)
     state.jobs = Jobs(state.settings, opened, state.pipeline, state.gallery)
-    state.gallery.shelf = state.jobs
+    state.gallery.shelf, state.pipeline.kept.shelf = state.jobs, SceneShelf(opened)
     state.jobs.start()
 
 

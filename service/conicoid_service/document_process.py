@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from conicoid.canonical import canonical_batch_bytes, canonical_bytes, quadrics_hash, view_hash
 from conicoid.document import Batch, Document, parse_batch, parse_quadrics, read_npz
-from conicoid.errors import LimitError
+from conicoid.errors import LimitError, QuadricsFileError
 from conicoid.quadrics_file import quadrics_bytes, quadrics_from
 from conicoid.scene import Camera, Output, Quadrics, Scene
 from conicoid_service.blob import Blob
@@ -110,6 +110,8 @@ def _canonical(batch: Batch, kept: list[Blob]) -> Reply:
     if batch.scene is not None and not kept:
         return {"scene": batch.scene[:_LONGEST_ID]}, []
     quadrics = quadrics_from(kept[0].read()) if kept else batch.resolve_quadrics()
+    if kept and quadrics_hash(quadrics) != batch.scene:
+        raise QuadricsFileError("the stored quadrics are damaged; keep the scene again")
     cameras, output = batch.views()
     text = (
         canonical_batch_bytes(quadrics, cameras, output)

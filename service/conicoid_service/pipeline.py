@@ -7,7 +7,8 @@ already known, while a long render runs (`docs/decisions` has the measurements).
 
 import asyncio
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -16,9 +17,8 @@ from conicoid_service.bodies import Body
 from conicoid_service.channel import Message
 from conicoid_service.child import Kind
 from conicoid_service.cpus import usable_cpus
-from conicoid_service.errors import UnknownSceneError
 from conicoid_service.images import Image
-from conicoid_service.kept_scenes import KeptScene, KeptScenes
+from conicoid_service.kept_scenes import Kept, KeptScene, KeptScenes
 from conicoid_service.memory import usable_memory
 from conicoid_service.pool import Pool
 from conicoid_service.settings import Settings
@@ -88,8 +88,16 @@ class Pipeline:
         on_answer: called with every answer of a child and what it took.
     """
 
-    def __init__(self, settings: Settings, commands: Commands | None = None) -> None:
-        """Describe both; `commands` are other child processes, for tests of supervision: no setting leads here."""
+    def __init__(
+        self, settings: Settings, commands: Commands | None = None, warm: Collection[str] = ("document", "render")
+    ) -> None:
+        """Describe both.
+
+        Args:
+            settings: what they are told.
+            commands: other child processes, for tests of supervision: no setting leads here.
+            warm: which of them `start` starts; another one is started by the first request that needs it.
+        """
         commands = commands or Commands()
         self._limits = {
             "quadrics": settings.quadric_limit,
@@ -101,19 +109,19 @@ class Pipeline:
         pool = partial(Pool, queue_length=settings.queue_length, owner_queue_length=settings.owner_queue_length)
         deadlines = settings.deadline_s, settings.start_deadline_s
         self.kept = KeptScenes(settings.kept_limit)
+        self._warm = warm
         self.on_answer: Callable[[context.Step, Message], None] = lambda *_: None
         self._documents = pool(Kind("document", commands.document, {}, *deadlines))
         renders = Kind("render", commands.render, _configuration(settings), *deadlines, settings.render_recycle_after)
         self._renders = pool(renders, processes=settings.render_processes)
 
-    def start(self, *, documents: bool = True) -> None:
-        """Start the children in the background, if they are not started already; without `documents`, one of them.
+    def start(self) -> None:
+        """Start the children that are to be warm in the background, if they are not started already.
 
         They load what they need while the caller loads an HTTP server or client: nothing here needs one.
         """
-        if documents:
-            self._documents.start()
-        self._renders.start()
+        for name in self._warm:
+            self.children[name].start()
 
     async def stop(self) -> None:
         """End both children and give up what is kept."""
@@ -134,25 +142,27 @@ class Pipeline:
 
         Raises:
             UnknownSceneError: it names quadrics that are not kept.
+            StorageError: the job store, where they are kept, does not give them; so in `read` and `read_batch`.
         """
         with body.blob.shared() as again:
             answer = await self._ask("canonical", body)
-            if "scene" in answer.message:
-                kept = self.kept.get(answer.message["scene"]).blob.shared()
-                answer = await self._ask("canonical", replace(body, blob=again.shared()), kept)
+            if (scene_id := answer.message.get("scene")) is not None:
+                kept = await self.kept.get(scene_id)
+                async with self.kept.used(scene_id):
+                    answer = await self._ask("canonical", replace(body, blob=again.shared()), kept.blob)
         with answer.blobs[0] as text:
             return text.read(), self._timings("document", answer)
 
-    async def keep(self, body: Body) -> tuple[KeptScene, Timings]:
+    async def keep(self, body: Body) -> tuple[Kept, Timings]:
         """Keep the quadrics of a document; takes the body over.
 
         Raises:
             LimitError: they are more than may be kept.
+            StorageError: the job store, where they are to be kept, does not take them.
         """
         answer = await self._ask("keep", body)
         scene = KeptScene(answer.message["quadrics_hash"], answer.message["quadrics"], answer.blobs[0])
-        self.kept.keep(scene)
-        return scene, self._timings("document", answer)
+        return await self.kept.keep(scene), self._timings("document", answer)
 
     async def read(self, body: Body, frame: int | None = None, band: str | None = None) -> ReadScene:
         """Read a document and check it against the limits; takes the body over, the caller closes what is read.
@@ -164,23 +174,28 @@ class Pipeline:
             UnknownSceneError: it names quadrics that are not kept.
         """
         answer = await self._ask("read", body, frame=frame, band=band)
-        view, quadrics = self._parts(answer)
+        view, quadrics, stored = await self._parts(answer)
         kept, hashes = "scene" in answer.message, (answer.message["scene_hash"], answer.message["quadrics_hash"])
-        return ReadScene(view, quadrics, kept, *hashes, self._timings("document", answer))
+        return ReadScene(view, quadrics, kept, *hashes, self._timings("document", answer), stored)
 
     async def read_batch(self, body: Body) -> ReadBatch:
         """Read a document with `camera` or `cameras`; otherwise as `read`."""
         answer = await self._ask("batch", body)
-        views, quadrics = self._parts(answer)
+        views, quadrics, _ = await self._parts(answer)
         message = answer.message
         timings = self._timings("document", answer)
         return ReadBatch(views, quadrics, message["frames"], message["quadrics_hash"], timings)
 
     async def render(self, read: ReadScene, *, owner: str = "", batch: bool = False) -> tuple[Image, Timings]:
-        """The EXR image of a scene. Takes the scene over; the caller closes the image."""
+        """The EXR image of a scene. Takes the scene over; the caller closes the image.
+
+        Raises:
+            UnknownSceneError: the scene, which the document only names, was damaged where it was kept.
+        """
         hashes = {"scene_hash": read.scene_hash, "quadrics_hash": read.quadrics_hash}
         message = {"do": "render", **hashes, "stored": read.stored, **context.ids()}
-        answer = await self._renders.call(message, [read.view, read.quadrics], owner=owner, batch=batch)
+        async with self.kept.used(read.quadrics_hash) if read.kept else nullcontext():
+            answer = await self._renders.call(message, [read.view, read.quadrics], owner=owner, batch=batch)
         escalated = answer.message["refined"], answer.message["settled"]
         return Image(answer.blobs[0], read.scene_hash, *escalated), self._timings("render", answer)
 
@@ -211,14 +226,17 @@ class Pipeline:
         message = {"do": do, "limits": self._limits, "boundary": body.boundary, **part}
         return await self._documents.call(message | context.ids(), [body.blob, *kept])
 
-    def _parts(self, answer: Answer) -> tuple[Blob, Blob]:
-        """What a document shows, and its quadrics: its own, or the kept ones that it names."""
+    async def _parts(self, answer: Answer) -> tuple[Blob, Blob, bool]:
+        """What a document shows; its quadrics, which are own or kept ones that it names; if they were stored."""
         shown, *own = answer.blobs
+        if own:
+            return shown, own[0], False
         try:
-            return shown, own[0] if own else self.kept.get(answer.message["scene"]).blob.shared()
-        except UnknownSceneError:
+            kept = await self.kept.get(answer.message["scene"])
+        except BaseException:
             shown.close()
             raise
+        return shown, kept.blob, kept.stored
 
     def _timings(self, process: str, answer: Answer) -> Timings:
         timings = {"queue": answer.queue_ms, **answer.message["timings_ms"]}

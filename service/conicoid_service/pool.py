@@ -40,7 +40,7 @@ class Pool:
     """Some child processes and the line in front of them."""
 
     def __init__(self, kind: Kind, *, queue_length: int, owner_queue_length: int, processes: int = 1) -> None:
-        """Describe the children, as many as `processes`; `start` runs them. The rest is as in `Line`."""
+        """Describe as many children as `processes`, which `start` or the first request runs; the rest as in `Line`."""
         self.name = kind.name
         self._line = Line(
             kind.name, queue_length=queue_length, owner_queue_length=owner_queue_length, processes=processes
@@ -49,7 +49,7 @@ class Pool:
         self._hello: Message | None = None
 
     def start(self) -> None:
-        """Start the children in the background; requests may be made at once and wait for them. Once is enough."""
+        """Start the children in the background, so that the first request, which would start them, finds them warm."""
         for supervisor in self._supervisors:
             supervisor.start()
 
@@ -136,6 +136,7 @@ class Pool:
         except ServiceError:
             task.future.cancel()
             raise
+        self.start()
         try:
             return await asyncio.wrap_future(task.future)
         except asyncio.CancelledError:

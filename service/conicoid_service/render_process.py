@@ -35,7 +35,7 @@ class LastQuadrics:
             self._quadrics = None  # before the others take their room
             quadrics = quadrics_from(blob.read())
             if stored and quadrics_hash(quadrics) != hashed:
-                raise QuadricsFileError("the quadrics of the job were damaged on the disk; submit it again")
+                raise QuadricsFileError("the stored quadrics are damaged; submit the job, or keep the scene, again")
             self._quadrics, self._hash = quadrics, hashed
         return self._quadrics
 

@@ -1,6 +1,6 @@
 """What the service does for scenes: render, canonical form, keep; and what it does it with."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.metadata import version
 from typing import Annotated, Any, Final
@@ -13,7 +13,6 @@ from conicoid_service.disconnects import while_connected
 from conicoid_service.entity_tags import entity_tag, matches
 from conicoid_service.gallery import Gallery, Shown
 from conicoid_service.job_routes import owner_of, submitted
-from conicoid_service.kept_scenes import KeptScene
 from conicoid_service.openapi import CANONICAL_DOCS, DEVICE_DOCS, DROP_DOCS, KEEP_DOCS, KEPT_DOCS, RENDER_DOCS
 from conicoid_service.pipeline import Pipeline, Timings
 from conicoid_service.responses import EXR_TYPE, BlobResponse, server_timing
@@ -132,19 +131,19 @@ async def keep(request: Request, response: Response) -> dict[str, Any]:
     body = await receive(request, settings)
     kept, timings = await while_connected(request, pipeline.keep(body))
     response.headers.update({"Location": f"/v1/scenes/{kept.id}", "Server-Timing": server_timing(timings)})
-    return _about(kept)
+    return asdict(kept)
 
 
 @router.get("/scenes/{scene_id}", **KEPT_DOCS)
 async def kept_scene(request: Request, scene_id: str) -> dict[str, Any]:
     """A kept scene: its id, how many quadrics it has, the bytes that it takes."""
-    return _about(_parts(request)[1].kept.get(scene_id))
+    return asdict(await _parts(request)[1].kept.about(scene_id))
 
 
 @router.delete("/scenes/{scene_id}", status_code=204, **DROP_DOCS)
 async def drop(request: Request, scene_id: str) -> None:
     """Give a kept scene up; renders of it that have begun go on."""
-    _parts(request)[1].kept.drop(scene_id)
+    await _parts(request)[1].kept.drop(scene_id)
 
 
 @router.get("/device", **DEVICE_DOCS)
@@ -182,10 +181,6 @@ async def device(request: Request) -> dict[str, Any]:
 def _libraries() -> dict[str, str]:
     """Names and versions, which take milliseconds to look up."""
     return {name: version(name) for name in LIBRARIES}
-
-
-def _about(kept: KeptScene) -> dict[str, Any]:
-    return {"id": kept.id, "quadrics": kept.quadrics, "bytes": len(kept.blob)}
 
 
 def _parts(request: Request) -> tuple[Settings, Pipeline]:

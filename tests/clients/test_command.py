@@ -112,6 +112,12 @@ def test_a_bad_scene_is_2_without_a_server_and_names_place_value_rule_and_remedy
     assert not list(tmp_path.iterdir())
 
 
+def test_canonical_without_a_server_starts_no_render_process(scene: Path, tmp_path: Path) -> None:
+    kernels = tmp_path / "kernels"  # where each of them begins by taking a place
+    assert conicoid("canonical", str(scene), CONICOID_CACHE_DIR=str(kernels)).returncode == 0
+    assert not kernels.exists()
+
+
 def test_canonical_is_its_own_canonical_form_and_renders_to_the_same_bytes(address: str, image: bytes) -> None:
     once = conicoid("canonical", "-", "--server", address, stdin=TEXT).stdout
     assert conicoid("canonical", "-", "--server", address, stdin=once).stdout == once

@@ -5,12 +5,11 @@ import sys
 import time
 from pathlib import Path
 
-from conicoid.quadrics_file import quadrics_from
 from conicoid.scene import Scene
 from conicoid_service import exr
 from conicoid_service.blob import Blob
 from conicoid_service.channel import Message
-from conicoid_service.render_process import join
+from conicoid_service.render_process import LastQuadrics, join
 from conicoid_service.views import view_from
 from conicoid_service.worker import Handler, Reply, serve
 from tests.service.scenes import frame
@@ -26,7 +25,8 @@ def handle(message: Message, blobs: list[Blob]) -> Reply:
     if message["do"] == "join":
         return join(message, blobs)
     view, quadrics = blobs
-    scene = Scene(quadrics_from(quadrics.read()), *view_from(view.read()))
+    read = LastQuadrics().quadrics(message["quadrics_hash"], quadrics, stored=message["stored"])
+    scene = Scene(read, *view_from(view.read()))
     words = scene.quadrics.name.get(0, "").split()
     match words:
         case ["abort"]:

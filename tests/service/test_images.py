@@ -202,13 +202,13 @@ def test_images_however_small_take_a_bounded_number_of_descriptors() -> None:
     assert open_descriptors() == before
 
 
-def test_kept_scenes_however_small_take_a_bounded_number_of_descriptors() -> None:
+async def test_kept_scenes_however_small_take_a_bounded_number_of_descriptors() -> None:
     scenes, before = KeptScenes(10**9), open_descriptors()
     for number in range(MOST + 10):
-        scenes.keep(KeptScene(str(number), 1, Blob.of(b"q")))
+        await scenes.keep(KeptScene(str(number), 1, Blob.of(b"q")))
     assert open_descriptors() == before + MOST
     with pytest.raises(UnknownSceneError):
-        scenes.get("9")
+        await scenes.get("9")
     scenes.close()
     assert open_descriptors() == before
 

@@ -176,7 +176,9 @@ def test_a_long_id_does_not_reach_the_process_that_speaks_http() -> None:
     limits = {"quadrics": 1, "pixels": 10_000, "bytes of arrays": 1, "frames": 1, "pixels of a job": 10_000}
     for do in ("read", "canonical"):
         with Blob.of(json.dumps(VIEW | {"scene": "x" * 1_000_000}).encode()) as body:
-            reply, blobs = document_process.handle({"do": do, "limits": limits, "boundary": None}, [body])
+            reply, blobs = document_process.handle(
+                {"do": do, "limits": limits, "boundary": None, "frame": None, "band": None}, [body]
+            )
         assert len(json.dumps(reply)) < 1000
         for blob in blobs:
             blob.close()
@@ -186,16 +188,17 @@ def stored(scene_id: str, size: int) -> KeptScene:
     return KeptScene(scene_id, 1, Blob.of(bytes(size)))
 
 
-def test_the_store_closes_what_it_gives_up(nothing_left: None) -> None:  # noqa: ARG001
+async def test_the_store_closes_what_it_gives_up(nothing_left: None) -> None:  # noqa: ARG001
     store = KeptScenes(10)
     for scene_id, size in (("a", 4), ("b", 4), ("a", 5), ("c", 4), ("d", 10)):
-        store.keep(stored(scene_id, size))
+        await store.keep(stored(scene_id, size))
     with pytest.raises(LimitError):
-        store.keep(stored("e", 11))
-    assert store.get("d").id == "d"
+        await store.keep(stored("e", 11))
+    with (await store.get("d")).blob as blob:
+        assert len(blob) == 10
     for scene_id in "abce":
         with pytest.raises(UnknownSceneError):
-            store.get(scene_id)
+            await store.get(scene_id)
     store.close()
 
 

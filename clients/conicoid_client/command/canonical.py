@@ -11,6 +11,6 @@ def run(options: argparse.Namespace) -> None:
     """Read, ask, print."""
     files.check_writable(files.STANDARD)
     scene, arrays = read_scene(options)
-    with connect(options) as client:
+    with connect(options, warm=["document"]) as client:
         canonical = client.canonical(scene, arrays=arrays)
     files.write(files.STANDARD, canonical)

@@ -3,6 +3,7 @@
 import argparse
 import logging
 import os
+from collections.abc import Collection
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -46,8 +47,8 @@ def settings(file: str | None = None) -> "Settings":
         raise Failure(str(error)) from None
 
 
-def connect(options: argparse.Namespace) -> "Client":
-    """A client of that service, or of one that lives as long as the client."""
+def connect(options: argparse.Namespace, warm: Collection[str] = ("document", "render")) -> "Client":
+    """A client of that service, or of one that lives as long as the client and starts processes as `Pipeline` does."""
     if server(options) is not None:
         return connect_to_server(options)
     from conicoid_service.pipeline import Pipeline
@@ -56,7 +57,7 @@ def connect(options: argparse.Namespace) -> "Client":
     configuration = replace(configuration, api_keys=type(configuration.api_keys)())  # nobody else can ask it
     # What goes wrong comes back in the answer; a log beside it on the terminal would say it twice.
     logging.getLogger().addHandler(logging.NullHandler())
-    pipeline = Pipeline(configuration)
+    pipeline = Pipeline(configuration, warm=warm)
     pipeline.start()
     # Loading these takes as long as starting the children, which goes on meanwhile.
     from conicoid_client.client import Client

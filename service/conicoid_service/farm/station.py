@@ -32,8 +32,8 @@ class Station:
         """`commands` are as in `Pipeline`."""
         self._settings = settings
         self._loop = asyncio.new_event_loop()
-        self._pipeline = Pipeline(settings, commands)
-        self._pipeline.start(documents=False)
+        self._pipeline = Pipeline(settings, commands, warm=["render"])
+        self._pipeline.start()
         self._busy = asyncio.Lock()
         self._storage: Storage | None = None
         self._near: Near | None = None

@@ -44,7 +44,7 @@ class Painter:
         quadrics = await self._storage.do(self._storage.quadrics.open, claim.quadrics_hash)
         if quadrics is None:
             raise ServiceError("the quadrics of the job are not in the store any more; submit it again")
-        read = ReadScene(Blob.of(view), quadrics, True, scene_hash, claim.quadrics_hash, {}, stored=True)
+        read = ReadScene(Blob.of(view), quadrics, False, scene_hash, claim.quadrics_hash, {}, stored=True)
         with read.view, read.quadrics:
             return (await self._gallery.show(tag, read, owner=claim.owner, batch=batch)).image
 

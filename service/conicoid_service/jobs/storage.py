@@ -22,6 +22,7 @@ from conicoid_service.jobs.holder import Holder, Named
 from conicoid_service.jobs.image_shelf import ImageShelf, sha256_of
 from conicoid_service.jobs.leadership import Leadership
 from conicoid_service.jobs.outbox import Outbox
+from conicoid_service.jobs.scenes import Scenes
 from conicoid_service.jobs.store import JobStore
 from conicoid_service.jobs.upkeep import Upkeep
 from conicoid_service.jobs.work import Work
@@ -70,6 +71,7 @@ class Storage:
         self.work = Work(self._database, self.holder.name, lifetime_ms)
         self.upkeep = Upkeep(self._database)
         self.outbox = Outbox(self._database, lifetime_ms)
+        self.scenes = Scenes(self._database, settings.kept_limit)
         self.leadership = Leadership(self._database)
         self.shelf = ImageShelf(self.images, self.upkeep)
         self.trouble: str | None = None
