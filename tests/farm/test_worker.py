@@ -58,6 +58,22 @@ def test_one_unit_is_rendered_and_another_call_finds_none(tmp_path: Path, enviro
         assert "no unit waits" in again.stderr
 
 
+def test_worker_that_can_render_nothing_gives_its_unit_back_and_ends(
+    tmp_path: Path, environment: dict[str, str]
+) -> None:
+    unable = environment | {"CONICOID_DEVICE": "no such device"}
+    with Farm(tmp_path, environment, workers=0) as farm, Client(farm.api.url) as client:
+        job = client.submit(SCENE)
+        ended = run_worker(unable)
+        assert ended.returncode == 1
+        assert "no such device" in ended.stderr
+        assert client.job(job.id).state == "queued"
+        while run_worker(environment, "--once").returncode == 0 and client.job(job.id).state != "succeeded":
+            pass
+        (frame,) = client.frames(job.id)
+        assert frame.state == "succeeded"
+
+
 def test_worker_that_is_told_to_end_ends_its_unit(tmp_path: Path, environment: dict[str, str]) -> None:
     document = {key: value for key, value in SCENE.items() if key != "camera"}
     document["cameras"] = [SCENE["camera"] | {"far": 100.0 + k} for k in range(300)]

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any, Final
+from typing import Any
 
 from kombu import Connection
 from kombu.exceptions import KombuError
@@ -12,8 +12,6 @@ from conicoid_service.errors import BrokerError
 from conicoid_service.farm.queues import DEAD, QUEUES, TASK, celery_app, connected, message_of, unit_of
 from conicoid_service.jobs.records import Priority, Unit
 from conicoid_service.settings import Settings
-
-_DEAD_AT_ONCE: Final = 100
 
 logger = logging.getLogger(__name__)
 
@@ -52,17 +50,19 @@ class Broker:
         with self._using() as connection:
             return int(QUEUES[priority].bind(connection.default_channel).queue_declare().message_count)
 
-    def dead(self) -> list[tuple[Unit | None, Any]]:
-        """Some of the units that were delivered too often, with what `forget` takes; None is no unit of ours."""
-        found: list[tuple[Unit | None, Any]] = []
+    def connect(self) -> None:
+        """Have a connection."""
+        with self._using():
+            pass
+
+    def dead(self) -> tuple[Unit | None, Any] | None:
+        """One of the units that were delivered too often, with what `forget` takes; (None, ...) is no unit of ours."""
         with self._using() as connection:
-            queue = DEAD.bind(connection.default_channel)
-            while len(found) < _DEAD_AT_ONCE and (message := queue.get(accept=["json"])) is not None:
-                found.append((_unit(message), message))
-        return found
+            message = DEAD.bind(connection.default_channel).get(accept=["json"])
+            return None if message is None else (_unit(message), message)
 
     def forget(self, message: Any) -> None:
-        """Take a dead unit out of its queue, where it comes back otherwise."""
+        """Take a dead unit out of its queue, where it comes back otherwise, at the latest after `close`."""
         with self._using():
             message.ack()
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Final
 
+from amqp.exceptions import MessageNacked
 from celery import Celery
 from kombu import Connection, Exchange, Queue
 from kombu.exceptions import KombuError
@@ -81,7 +82,7 @@ def connected(settings: Settings) -> Iterator[Connection]:
         for queue in (*QUEUES.values(), DEAD):
             queue.bind(connection.default_channel).declare()
         yield connection
-    except (KombuError, OSError, *connection.connection_errors, *connection.channel_errors) as error:
+    except (KombuError, MessageNacked, OSError, *connection.connection_errors, *connection.channel_errors) as error:
         raise BrokerError(f"the broker: {type(error).__name__}: {error}"[:300]) from error
     finally:
         connection.collect(socket_timeout=1)
@@ -98,6 +99,7 @@ def celery_app(settings: Settings) -> Celery:
         task_acks_late=True,
         task_reject_on_worker_lost=True,
         task_acks_on_timeout=False,
+        task_acks_on_failure=False,  # what meets a defect goes to `DEAD`, and from there another way
         task_time_limit=ASTRAY_S,
         worker_prefetch_multiplier=1,
         worker_cancel_long_running_tasks_on_connection_loss=True,

@@ -4,15 +4,13 @@ import asyncio
 import logging
 import threading
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Literal
 
 from conicoid_service.entity_tags import ENGINE
-from conicoid_service.errors import StoreError
+from conicoid_service.errors import ServiceError, StoreError
 from conicoid_service.farm.queues import unit_of
-from conicoid_service.farm.steward import SILENCE_MS
 from conicoid_service.gallery import Gallery
 from conicoid_service.images import Images
-from conicoid_service.jobs.clock import now_ms
 from conicoid_service.jobs.executor import Executor
 from conicoid_service.jobs.near import Near
 from conicoid_service.jobs.painter import Painter
@@ -20,7 +18,7 @@ from conicoid_service.jobs.storage import RETRY_S, Storage
 from conicoid_service.pipeline import Commands, Pipeline
 from conicoid_service.settings import Settings
 
-_REFUSED_MS: Final = 5_000
+Outcome = Literal["done", "dropped", "unable"]
 
 logger = logging.getLogger(__name__)
 
@@ -41,12 +39,15 @@ class Station:
         self._thread = threading.Thread(target=self._loop.run_forever, name="station", daemon=True)
         self._thread.start()
 
-    def execute(self, message: Mapping[str, Any], *, redelivered: bool) -> str:
-        """Render the unit of a message; how it went: `done`, `dropped` because nobody wants it, `refused`.
+    def execute(self, message: Mapping[str, Any], *, redelivered: bool) -> Outcome:
+        """Render the unit of a message.
 
         Args:
             message: see `queues.message_of`.
             redelivered: whether the broker knows that whoever had it before is gone.
+        Returns:
+            `done`: it has ended, or was given back, and the store knows. `dropped`: nobody wants it, or another has
+            it. `unable`: it was given back, and so would be every other.
         """
         return asyncio.run_coroutine_threadsafe(self._execute(message, redelivered), self._loop).result()
 
@@ -65,31 +66,40 @@ class Station:
             if self._near is not None:
                 self._near.close()
 
-    async def _execute(self, message: Mapping[str, Any], redelivered: bool) -> str:
+    async def _execute(self, message: Mapping[str, Any], redelivered: bool) -> Outcome:
         async with self._busy:
             return await self._render(message, redelivered)
 
-    async def _render(self, message: Mapping[str, Any], redelivered: bool) -> str:
+    async def _render(self, message: Mapping[str, Any], redelivered: bool) -> Outcome:
         unit = unit_of(message)
         storage, executor = await self._open()
-        now = now_ms()
-        claim = await storage.insist(
-            storage.work.take, unit, now, lost_before_ms=now if redelivered else now - SILENCE_MS
-        )
+        if (obstacle := await self._obstacle(storage, message["engine"])) is not None:
+            logger.error("a unit is given back: %s", obstacle)
+            await storage.insist(storage.outbox.give_back, [unit])
+            return "unable"
+        claim = await storage.insist(storage.leases.take, unit, redelivered=redelivered)
         if claim is None:
             return "dropped"
-        if message["engine"] != ENGINE:
-            logger.error("a unit of another engine (%s) is refused: this is %s", message["engine"], ENGINE)
-            await storage.insist(storage.work.release, claim, not_before_ms=now_ms() + _REFUSED_MS, counts=False)
-            return "refused"
         await executor.execute(claim)
         return "done"
+
+    async def _obstacle(self, storage: Storage, engine: str) -> str | None:
+        """Why nothing can be rendered here, whatever the unit."""
+        if engine != ENGINE:
+            return f"it is of another engine, {engine}; this is {ENGINE}"
+        try:
+            await self._pipeline.device()
+        except ServiceError as error:
+            return str(error)
+        if not await storage.insist(storage.is_marked):
+            return "the object store is not the one of the database; see CONICOID_OBJECT_STORE"
+        return None
 
     async def _open(self) -> tuple[Storage, Executor]:
         """The store, opened when the first unit comes, however long that takes."""
         while self._storage is None or self._executor is None:
             try:
-                self._storage = await asyncio.to_thread(Storage, self._settings, migrate=False)
+                self._storage = await asyncio.to_thread(Storage, self._settings, api=False)
             except StoreError as error:
                 logger.warning("%s", error)
                 await asyncio.sleep(RETRY_S)

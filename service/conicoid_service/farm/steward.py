@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -11,7 +12,8 @@ from conicoid_service.errors import BrokerError, StorageError
 from conicoid_service.farm.broker import Broker
 from conicoid_service.farm.queues import REDELIVERIES
 from conicoid_service.jobs.clock import now_ms
-from conicoid_service.jobs.records import PRIORITIES, Priority
+from conicoid_service.jobs.leases import SILENCE_MS
+from conicoid_service.jobs.records import PRIORITIES, Priority, Unit
 from conicoid_service.jobs.storage import Storage
 from conicoid_service.settings import Settings
 
@@ -23,10 +25,7 @@ T = TypeVar("T")
 WINDOW: Final = 2000
 _AT_ONCE: Final = 100
 _LOOK_S: Final = 1.0
-# A worker renews what it renders every `executor.RENEW_S`, also while the store is slow.
-SILENCE_MS: Final = 20_000
-# Between a message's way to a worker and that worker's word of it; if the queue is empty meanwhile, it is lost.
-UNHEARD_MS: Final = 10_000
+_STOP_S: Final = 5.0
 
 logger = logging.getLogger(__name__)
 
@@ -39,6 +38,7 @@ class Steward:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="broker")
         self._more = asyncio.Event()
         self._draining = False
+        self._reached_since = time.monotonic()  # the database
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
@@ -52,67 +52,92 @@ class Steward:
     def drain(self) -> None:
         """Send no more."""
         self._draining = True
+        self._more.set()
 
     async def stop(self) -> None:
-        """Stop, between two steps."""
-        if self._task:
+        """Stop once what was marked as sent is sent, or given back."""
+        self.drain()
+        if self._task and (await asyncio.wait({self._task}, timeout=_STOP_S))[1]:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
-        await asyncio.to_thread(self._thread.shutdown)
+        self._thread.shutdown(wait=False)
         self._broker.close()
 
     async def _run(self) -> None:
         while not self._draining:
             self._more.clear()
             try:
-                if await self._storage.do(self._storage.leadership.leads):
-                    await self._take_back()
-                for priority in PRIORITIES:
-                    await self._fill(priority)
-            except (StorageError, BrokerError) as error:
+                await self._round()
+            except StorageError as error:
+                self._reached_since = time.monotonic()
                 logger.warning("%s", error)
+            except BrokerError as error:
+                logger.warning("%s", error)
+                await asyncio.to_thread(self._storage.leadership.resign)  # another may reach it
             except Exception:  # a defect must not leave all jobs waiting
                 logger.exception("the steward met a defect")
-            with suppress(TimeoutError):
-                await asyncio.wait_for(self._more.wait(), _LOOK_S)
+            if not self._draining:
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self._more.wait(), _LOOK_S)
+
+    async def _round(self) -> None:
+        await self._with_broker(self._broker.connect)
+        if await self._storage.do(self._storage.leadership.leads):
+            await self._take_back()
+        for priority in PRIORITIES:
+            await self._fill(priority)
 
     async def _fill(self, priority: Priority) -> None:
         """Send units until the window is full or none waits."""
-        outbox, urgency = self._storage.outbox, PRIORITIES[priority]
-        room = WINDOW - await self._storage.do(outbox.out, urgency)
+        storage, urgency = self._storage, PRIORITIES[priority]
+        room = WINDOW - await storage.do(storage.outbox.out, urgency)
         while room > 0 and not self._draining:
-            units = await self._storage.do(outbox.take, urgency, min(room, _AT_ONCE), now_ms())
+            units = await storage.do(storage.leases.send, urgency, min(room, _AT_ONCE))
             if not units:
                 return
             room -= len(units)
-            sent = await self._with_broker(self._broker.send, priority, units)
+            sent = 0
+            try:
+                sent = await self._with_broker(self._broker.send, priority, units)
+            finally:
+                if sent < len(units):
+                    await storage.insist(storage.outbox.give_back, units[sent:])
             if sent < len(units):
-                await self._storage.insist(outbox.give_back, units[sent:])
                 return
 
     async def _take_back(self) -> None:
-        outbox = self._storage.outbox
-        if silent := await self._storage.do(outbox.recall_running, now_ms() - SILENCE_MS):
+        storage = self._storage
+        # While the database was away, nobody could renew.
+        could_renew = time.monotonic() - self._reached_since > SILENCE_MS / 1e3
+        if could_renew and (silent := await storage.do(storage.leases.recall_silent)):
             logger.warning("%d units of workers that have gone are sent again", silent)
         await self._bury()
         for priority, urgency in PRIORITIES.items():
-            before = now_ms() - UNHEARD_MS
-            if await self._with_broker(self._broker.depth, priority):
-                continue
-            if lost := await self._storage.do(outbox.recall_sent, urgency, before):
-                logger.warning("%d units that the broker has lost are sent again", lost)
+            is_empty = not await self._with_broker(self._broker.depth, priority)
+            if lost := await storage.do(storage.leases.recall_lost, urgency, queue_is_empty=is_empty):
+                logger.warning("%d units that were sent and not taken are sent again", lost)
 
     async def _bury(self) -> None:
         """Let frames fail that have ended their workers; one that was only unlucky is sent again."""
-        for unit, message in await self._with_broker(self._broker.dead):
-            if unit is not None:
-                detail = f"the frame was given to workers {REDELIVERIES + 1} times, and each time the worker ended"
-                buried = await self._storage.do(
-                    self._storage.outbox.bury, unit, "render-crashed", detail, REDELIVERIES + 1, now_ms()
-                )
-                logger.error("frame %d of job %s ends its workers: %s", unit.number, unit.job_id,
-                             "it has failed" if buried else "it is sent again, or has ended")  # fmt: skip
+        while not self._draining and (dead := await self._with_broker(self._broker.dead)):
+            unit, message = dead
+            try:
+                if unit is not None:
+                    await self._bury_one(unit)
+            except StorageError:
+                await self._with_broker(self._broker.close)  # so that it comes back
+                raise
+            except Exception:  # a defect of one must not keep the others from their units
+                logger.exception("a dead letter met a defect: %s", unit)
             await self._with_broker(self._broker.forget, message)
+
+    async def _bury_one(self, unit: Unit) -> None:
+        detail = f"the frame was given to workers {REDELIVERIES + 1} times, and each time the worker ended"
+        buried = await self._storage.do(
+            self._storage.outbox.bury, unit, "render-crashed", detail, REDELIVERIES + 1, now_ms()
+        )
+        outcome = "it has failed" if buried else "it is sent again, or has ended"
+        logger.error("frame %d of job %s ends its workers: %s", unit.number, unit.job_id, outcome)
 
     async def _with_broker(self, step: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Have the broker's thread take a step."""

@@ -26,7 +26,7 @@ class Watch:
                                   buckets=_BUCKETS, registry=registry)  # fmt: skip
         connected = Gauge("conicoid_worker_connected", "Whether the broker is there", registry=registry)
         connected.set_function(lambda: float(self.connected))
-        for outcome in ("done", "dropped", "refused", "failed"):
+        for outcome in ("done", "dropped", "unable", "failed"):
             self._units.labels(outcome)
         self._metrics = make_wsgi_app(registry)
         self._consumer: Any = None
@@ -34,10 +34,11 @@ class Watch:
             server = make_server("", port, self._answer, _Server, _Silent)
             threading.Thread(target=server.serve_forever, name="probes", daemon=True).start()
 
-    def count(self, outcome: str, seconds: float) -> None:
-        """A unit has ended."""
+    def count(self, outcome: str, seconds: float | None = None) -> None:
+        """A unit has ended, after so long if that is known."""
         self._units.labels(outcome).inc()
-        self._seconds.observe(seconds)
+        if seconds is not None:
+            self._seconds.observe(seconds)
 
     def follow(self, sender: Any, **_: Any) -> None:
         """The worker has begun to take units: `sender` is its consumer."""

@@ -61,11 +61,17 @@ class UnitRequest(Request):
     def _counted(self, on_success: Callable[..., None], answer: tuple[bool, Any, float], **kwargs: Any) -> None:
         """Count it; a worker that cannot render what is asked ends, so that somebody looks at it."""
         failed, returned, seconds = answer
-        outcome = "failed" if failed else str(returned).strip("'")  # it comes as its `repr`
-        self.task.watch.count(outcome, seconds)
-        if outcome == "refused":
+        outcome = str(returned).strip("'")  # it comes as its `repr`
+        if not failed:
+            self.task.watch.count(outcome, seconds)
+        if outcome == "unable":
             state.should_stop = os.EX_CONFIG
         on_success(answer, **kwargs)
+
+    def on_failure(self, *args: Any, **kwargs: Any) -> None:
+        """Count what ended its child, or met a defect."""
+        self.task.watch.count("failed")
+        super().on_failure(*args, **kwargs)
 
 
 def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:

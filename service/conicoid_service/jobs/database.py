@@ -1,5 +1,6 @@
 """The database of the job store: opened, brought up to date, used in transactions."""
 
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,10 +11,11 @@ from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import DatabaseError, DBAPIError, InterfaceError, OperationalError
 
 from conicoid_service.errors import StoreError
+from conicoid_service.jobs.clock import now_ms
 
 HEAD: Final = "0002"  # of `migrations/versions`
 _WAIT_S: Final = 30.0  # for another server that writes
-# A server that does not answer, or has gone with its network, is given up within half a minute.
+# A server that has gone, with its machine or its network, is given up within half a minute.
 _POSTGRESQL: Final[Mapping[str, Any]] = {
     "connect_timeout": 5,
     "keepalives_idle": 5,
@@ -24,6 +26,10 @@ _POSTGRESQL: Final[Mapping[str, Any]] = {
     " -c tcp_keepalives_interval=2 -c tcp_keepalives_count=3 -c tcp_user_timeout=15000",
     "application_name": "conicoid",
 }
+# No connection; read-only after a failover; idle too long; rolled back; no resources; lock not had; told to end.
+_PASSING: Final = ("08", "25006", "25P03", "40", "53", "55P03", "57", "58")
+_KEPT: Final = 4  # connections that stay open
+_CLOCK_S: Final = 60.0
 _MIGRATING: Final = 0x636F6E69  # advisory lock of whoever changes the schema
 
 
@@ -33,13 +39,15 @@ class Database:
     Args:
         place: the file, made if it is not there; or a `postgresql://` URL.
         migrate: whether to bring the tables up to date; a worker leaves that to the API.
+        threads: how many use it at once.
     Raises:
         StoreError: it cannot be opened, is no database, or was written by a newer version.
     """
 
-    def __init__(self, place: Path | str, *, migrate: bool = True) -> None:
+    def __init__(self, place: Path | str, *, migrate: bool = True, threads: int = 1) -> None:
         self.shared = isinstance(place, str)
-        self._engine = _postgresql(place) if isinstance(place, str) else _sqlite(place)
+        self._engine = _postgresql(place, threads) if isinstance(place, str) else _sqlite(place)
+        self._offset_ms, self._read_at = 0, -_CLOCK_S
         shown = self._engine.url.render_as_string(hide_password=True) if self.shared else str(place)
         try:
             if migrate and self._revision() != HEAD:
@@ -49,6 +57,7 @@ class Database:
                     if self.shared:
                         connection.execute(select(func.pg_advisory_xact_lock(_MIGRATING)))
                     upgrade(connection)
+            self.read_clock()
         except StoreError as error:
             self.close()
             raise StoreError(f"{shown}: {error}") from None
@@ -83,6 +92,19 @@ class Database:
         with self._engine.connect().execution_options(writes=True) as connection, connection.begin():
             yield connection
 
+    def now_ms(self) -> int:
+        """Milliseconds since 1970, UTC, by the clock that all who share the database go by."""
+        return now_ms() + self._offset_ms
+
+    def read_clock(self) -> None:
+        """Compare this machine's clock with the server's, if that was not done within a minute."""
+        if not self.shared or time.monotonic() - self._read_at < _CLOCK_S:
+            return
+        with self.reading() as connection:
+            before = now_ms()
+            there = connection.execute(select(func.extract("epoch", func.clock_timestamp()) * 1000)).scalar_one()
+        self._offset_ms, self._read_at = round(there) - (before + now_ms()) // 2, time.monotonic()
+
     def session(self) -> Connection:
         """A connection outside of transactions, which the caller closes."""
         return self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
@@ -95,7 +117,8 @@ class Database:
 def refuses(error: DBAPIError) -> bool:
     """Whether an error is the disk's, the server's or the network's, so that the same may succeed later."""
     if hasattr(error.orig, "sqlstate"):  # psycopg's
-        return isinstance(error, OperationalError | InterfaceError) or error.connection_invalidated
+        state = getattr(error.orig, "sqlstate", None) or ""
+        return isinstance(error, OperationalError | InterfaceError) or state.startswith(_PASSING)
     code = getattr(error.orig, "sqlite_errorname", "")
     return code.startswith(("SQLITE_FULL", "SQLITE_IOERR", "SQLITE_BUSY", "SQLITE_READONLY", "SQLITE_CANTOPEN"))
 
@@ -121,9 +144,12 @@ def _sqlite(path: Path) -> Engine:
     return engine
 
 
-def _postgresql(url: str) -> Engine:
+def _postgresql(url: str, threads: int) -> Engine:
     driver = make_url(url).set(drivername="postgresql+psycopg")
-    return create_engine(driver, connect_args=dict(_POSTGRESQL), pool_pre_ping=True, pool_size=4, max_overflow=12)
+    kept = min(threads, _KEPT)
+    # One more, for the session of `Leadership`.
+    pool = {"pool_pre_ping": True, "pool_size": kept, "max_overflow": threads + 1 - kept}
+    return create_engine(driver, connect_args=dict(_POSTGRESQL), **pool)
 
 
 def _on_connect(connection: Any, _: Any) -> None:

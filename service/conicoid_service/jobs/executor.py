@@ -71,9 +71,9 @@ class Executor:
             logger.exception("a frame met a defect", extra=_about(claim))
             await self._fail(claim, "internal", DEFECT)
         else:
-            await self._storage.insist(work.finish, claim, image, now_ms())
-            self.ended["succeeded"] += 1
-            logger.info("frame done", extra=_about(claim))
+            if await self._storage.insist(work.finish, claim, image, now_ms()):
+                self.ended["succeeded"] += 1
+                logger.info("frame done", extra=_about(claim))
         finally:
             del self._rendering[rendering]
         self._changed(claim.job_id)
@@ -86,23 +86,23 @@ class Executor:
             with suppress(StorageError):
                 if not await self._storage.do(self._storage.work.is_ours, claim):
                     rendering.cancel()
-                elif rounds % round(RENEW_S / LOOK_S) == 0:
-                    await self._storage.do(self._storage.work.renew, claim, now_ms())
+                elif self._storage.shared and rounds % round(RENEW_S / LOOK_S) == 0:
+                    await self._storage.do(self._storage.leases.renew, claim)
 
     async def _failed(self, claim: Claim, error: ServiceError) -> None:
         work, code = self._storage.work, error.code
         if code in _LATER:
-            later = now_ms() + round((error.retry_after_s or RETRY_S) * 1e3)
+            later = self._storage.now_ms() + round((error.retry_after_s or RETRY_S) * 1e3)
             await self._storage.insist(work.release, claim, not_before_ms=later, counts=False)
         elif code == "render-crashed" and claim.attempts < MOST_ATTEMPTS:
-            await self._storage.insist(work.release, claim, not_before_ms=now_ms(), counts=True)
+            await self._storage.insist(work.release, claim, not_before_ms=0, counts=True)
         else:
             logger.warning("frame failed: %s", error, extra=_about(claim))
             await self._fail(claim, code, str(error))
 
     async def _fail(self, claim: Claim, code: str, detail: str) -> None:
-        self.ended["failed"] += 1
-        await self._storage.insist(self._storage.work.fail, claim, code, detail, now_ms())
+        if await self._storage.insist(self._storage.work.fail, claim, code, detail, now_ms()):
+            self.ended["failed"] += 1
 
 
 def _about(claim: Claim) -> dict[str, object]:

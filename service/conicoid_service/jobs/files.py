@@ -62,11 +62,12 @@ def files_at(place: str, kind: str, media_type: str) -> Files:
     """
     parts = urlsplit(place)
     if parts.scheme == "file":
-        path = Path(unquote(parts.path)) / kind
+        root = Path(unquote(parts.path))
         try:
-            return Folder(path)
+            root.stat()  # not made: a directory that is missing is one that is not mounted
+            return Folder(root / kind)
         except OSError as error:
-            raise StoreError(f"{path}: files cannot be kept here ({error.strerror}); see `object_store`") from None
+            raise StoreError(f"{root}: files cannot be kept here ({error.strerror}); see `object_store`") from None
     from conicoid_service.jobs.bucket import Bucket  # its library is an extra
 
     return Bucket(place, kind, media_type)

@@ -44,6 +44,7 @@ class Keeper:
                 if rounds % round(EVICT_S / RECLAIM_S) == 0:
                     leads = await self._storage.do(self._storage.leadership.leads)
                     if leads:
+                        await self._storage.do(self._storage.check_mark)
                         await self._tidy()
                     await self._storage.do(self._storage.check)
                     if leads and rounds % round(SWEEP_S / RECLAIM_S) == 0:

@@ -1,5 +1,6 @@
 """What a farm's API does to units: send them to the broker, send again what was lost, bury what ends its workers."""
 
+from bisect import bisect_right
 from dataclasses import astuple
 from typing import Any, Final
 
@@ -19,6 +20,7 @@ class Outbox:
 
     def __init__(self, database: Database, lifetime_ms: int) -> None:
         self._database, self._lifetime_ms = database, lifetime_ms
+        self._last_owner = ""
 
     def out(self, priority: int) -> int:
         """How many units of a priority were sent and not taken."""
@@ -27,16 +29,21 @@ class Outbox:
             return connection.execute(query).scalar_one()
 
     def take(self, priority: int, limit: int, now_ms: int) -> list[Unit]:
-        """Up to `limit` units that wait, marked as sent; of all owners about as many, or all that they have."""
+        """Up to `limit` units that wait, marked as sent. Owners take turns, from call to call."""
         more = (_NOT_SENT, jobs.c.priority == priority)
         units: list[Unit] = []
         with self._database.reading() as connection:
             if not owners_who_wait(connection, now_ms, *more):
                 return units
         with self._database.writing() as connection:
-            owners = owners_who_wait(connection, now_ms, *more)[:limit]
-            for owner in owners:
-                units += waiting_units(connection, owner, now_ms, limit // len(owners), *more)
+            owners = owners_who_wait(connection, now_ms, *more)
+            after = bisect_right(owners, self._last_owner)
+            for left, owner in zip(range(len(owners), 0, -1), owners[after:] + owners[:after], strict=True):
+                part = -(-(limit - len(units)) // left)
+                if not part:
+                    break
+                units += waiting_units(connection, owner, now_ms, part, *more)
+                self._last_owner = owner
             _mark(connection, units, now_ms)
         return units
 
@@ -50,6 +57,14 @@ class Outbox:
         silent = update(frames).where(frames.c.state == "running", frames.c.taken_ms < silent_since_ms)
         with self._database.writing() as connection:
             return connection.execute(silent.values(state="queued", holder=None, sent_ms=None)).rowcount
+
+    def newest_taken(self, priority: int) -> int | None:
+        """When the newest of the units was sent that are being rendered; None if none is."""
+        newest = select(func.max(frames.c.sent_ms)).join_from(frames, jobs)
+        with self._database.reading() as connection:
+            running = newest.where(frames.c.state == "running", jobs.c.priority == priority)
+            found: int | None = connection.execute(running).scalar_one()
+            return found
 
     def recall_sent(self, priority: int, sent_before_ms: int) -> int:
         """Have units sent again that were sent before a time and not taken; how many they are."""
@@ -69,8 +84,8 @@ class Outbox:
             spent = [*unfinished, frames.c.attempts >= attempts]
             if end_unit(connection, unit, spent, failed, now_ms, self._lifetime_ms):
                 return True
-            again = {"state": "queued", "holder": None, "sent_ms": None}
-            connection.execute(update(frames).where(*at(unit), *unfinished).values(again))
+            # One that is being rendered is left to its worker, or recalled when that is silent.
+            connection.execute(update(frames).where(*at(unit), frames.c.state == "queued").values(sent_ms=None))
             return False
 
 

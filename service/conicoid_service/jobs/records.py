@@ -11,7 +11,8 @@ UNFINISHED: Final[tuple[State, ...]] = ("queued", "running")
 
 Priority = Literal["normal", "high"]
 
-PRIORITIES: Final[Mapping[Priority, int]] = {"normal": 0, "high": 1}
+# The most urgent first.
+PRIORITIES: Final[Mapping[Priority, int]] = {"high": 1, "normal": 0}
 
 
 @dataclass(frozen=True)

@@ -79,6 +79,9 @@ images: Final = Table(
     Index(None, "used_ms"),
 )
 
+# One row: what the object store is marked with.
+identity: Final = Table("identity", metadata, Column("name", String(32), primary_key=True))
+
 # Quadrics that were kept for later requests.
 scenes: Final = Table(
     "scenes",

@@ -36,6 +36,12 @@ def test_owners_have_equal_parts_of_what_is_sent(store: Store) -> None:
     assert sorted(jobs.values()) == [1, 3, 3]
 
 
+def test_no_owner_waits_for_another_however_few_units_are_sent_at_a_time(store: Store) -> None:
+    ids = {store.submit(20, owner): owner for owner in ("a", "b", "c")}
+    owners = [ids[unit.job_id] for _ in range(6) for unit in store.outbox.take(NORMAL, 2, 0)]
+    assert owners == list("abcabcabcabc")
+
+
 def test_each_priority_is_sent_by_itself(store: Store) -> None:
     normal, high = store.submit(1), store.submit(1, priority=HIGH)
     assert [unit.job_id for unit in store.outbox.take(HIGH, 9, 0)] == [high]
@@ -92,6 +98,9 @@ def test_dead_unit_fails_its_frame_alone_and_one_that_was_only_unlucky_is_sent_a
     assert (frame.state, frame.error_code, frame.error_detail) == ("failed", "render-crashed", "it ends its workers")
     assert not store.outbox.bury(unlucky, "render-crashed", "", 4, 9)
     assert store.outbox.take(NORMAL, 2, 10) == [unlucky]
+    assert store.work.take(unlucky, 10, lost_before_ms=0)
+    assert not store.outbox.bury(unlucky, "render-crashed", "", 4, 10)
+    assert store.outbox.take(NORMAL, 2, 10) == []  # it is being rendered
     assert not store.outbox.bury(poison, "render-crashed", "", 4, 11)
     assert store.jobs.get(job_id, "").frames_failed == 1
 

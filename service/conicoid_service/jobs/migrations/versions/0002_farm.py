@@ -19,6 +19,11 @@ def upgrade() -> None:
         frames.create_primary_key("pk_frames", ["job_id", "number", "band"])
         frames.create_index("ix_frames_state_sent_ms", ["state", "sent_ms"])
     op.create_table(
+        "identity",
+        sa.Column("name", sa.String(32), nullable=False),
+        sa.PrimaryKeyConstraint("name", name="pk_identity"),
+    )
+    op.create_table(
         "scenes",
         sa.Column("id", sa.String(64), nullable=False),
         sa.Column("quadrics", sa.Integer(), nullable=False),
