@@ -9,7 +9,7 @@ INTEL := build/intel
 COMPILE := .venv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest \
 	--generate-hashes --no-emit-index-url --custom-compile-command "make lock"
 
-.PHONY: setup demo test check stress bench embree fuzz image load test-api test-chaos test-embree test-farm test-gappa test-intel test-package lock clean
+.PHONY: setup demo test check stress bench bench-farm embree fuzz image load test-api test-chaos test-embree test-farm test-gappa test-intel test-package lock clean
 
 setup: $(SETUP)
 
@@ -53,6 +53,11 @@ embree: $(EMBREE)
 $(EMBREE): bench/embree/ellipsoids.cpp
 	mkdir -p $(@D)
 	$(CXX) -std=c++17 -O3 -march=native -fno-math-errno -fno-trapping-math -Wall -Wextra -Werror $< -lembree3 -ltbb -o $@
+
+# Throughput of a farm and how it recovers; needs what test-farm needs.
+bench-farm: $(SETUP)
+	.venv/bin/python bench/farm.py --output bench/results
+	.venv/bin/pytest tests/farm/test_kill_matrix.py --results bench/results
 
 # Twice what the service can do, for ten minutes.
 load: $(SETUP) build/load/.setup

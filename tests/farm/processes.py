@@ -44,6 +44,16 @@ def descendants(pid: int) -> Iterator[int]:
                 yield from descendants(child)
 
 
+def cpu_s(pid: int) -> float:
+    """Seconds of all CPUs that a process, its children that are there, and those that it has waited for, have used."""
+    total = 0.0
+    for one in (pid, *descendants(pid)):
+        with suppress(OSError):
+            words = Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()
+            total += sum(map(int, words[11:15])) / os.sysconf("SC_CLK_TCK")
+    return total
+
+
 class Process:
     """A command as a process in a session of its own.
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
 import pytest
 
@@ -24,6 +25,14 @@ AWAY_S = 3.0  # for which what can come back does not
 Rows = dict[str, Recovery]
 
 
+class Check(Protocol):
+    """Disturbs a job on a farm when some frames have ended, and checks what comes out of it."""
+
+    def __call__(
+        self, farm: Farm, environment: Mapping[str, str], disturb: Callable[[], None], after: int = 15
+    ) -> None: ...
+
+
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """What the frames are on one machine, without a farm."""
@@ -34,12 +43,10 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 
 @pytest.fixture
-def check(undisturbed: list[str], recoveries: Rows, request: pytest.FixtureRequest) -> Callable[..., None]:
-    """Disturbs a job on a farm and checks what comes out of it."""
-
-    def checked(farm: Farm, environment: Mapping[str, str], disturb: Callable[[], None]) -> None:
+def check(undisturbed: list[str], recoveries: Rows, request: pytest.FixtureRequest) -> Check:
+    def checked(farm: Farm, environment: Mapping[str, str], disturb: Callable[[], None], after: int = 15) -> None:
         with Job(farm.api.url, batch()) as job:
-            recovery = job.recovery(disturb)
+            recovery = job.recovery(disturb, after)
             assert job.now()["state"] == "succeeded", job.now()
             ends = order_of_ends(environment["CONICOID_DATABASE_URL"], job.id)
             assert sorted(filter(None, ends)) == list(range(1, FRAMES + 1))
@@ -54,9 +61,6 @@ def check(undisturbed: list[str], recoveries: Rows, request: pytest.FixtureReque
 def farm(tmp_path: Path, environment: dict[str, str]) -> Iterator[Farm]:
     with Farm(tmp_path, environment) as farm:
         yield farm
-
-
-Check = Callable[[Farm, Mapping[str, str], Callable[[], None]], None]
 
 
 def test_nothing_happens(check: Check, farm: Farm, environment: dict[str, str]) -> None:
@@ -92,7 +96,7 @@ def test_api_is_killed_and_started_again(check: Check, farm: Farm, environment: 
         farm.api.kill()
         farm.api.start()
 
-    check(farm, environment, disturb)
+    check(farm, environment, disturb, after=0)  # what is with the broker goes on meanwhile, and may be all
 
 
 def test_broker_is_killed_and_started_again(
@@ -180,11 +184,17 @@ def test_network_of_one_worker_is_cut_for_a_while(check: Check, tmp_path: Path) 
             check(farm, environment, disturb)
 
 
-def test_network_of_one_worker_is_cut_for_good(check: Check, tmp_path: Path) -> None:
+def test_network_of_one_worker_is_cut_for_longer_than_the_job(check: Check, tmp_path: Path) -> None:
     with Network() as network, Servers(network.address) as servers:
         environment = servers.environment()
         with Farm(tmp_path, environment, networks=[network]) as farm:
             check(farm, environment, network.pull)
+            network.plug()
+            for worker in farm.workers[:2]:
+                assert worker.stop() == 0
+            with Job(farm.api.url, batch(near=0.2)) as job:  # for the worker that is back
+                job.wait_for(FRAMES)
+                assert job.now()["state"] == "succeeded"
 
 
 def _same(found: int, wanted: int) -> None:
