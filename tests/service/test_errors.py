@@ -13,7 +13,7 @@ from conicoid_service.problems import STATUS, problem
 from conicoid_service.worker import failure
 from tests.checkout import ROOT
 
-NEVER_SENT = {"settings", "store"}
+NEVER_SENT = {"settings", "store", "broker"}
 FAMILIES = {"error"}
 
 
