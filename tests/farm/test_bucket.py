@@ -57,7 +57,10 @@ def test_young_file_needs_not_be_written_again(bucket: Bucket, written: bytes) -
     assert written
     assert bucket.touch("abcd")
     assert not bucket.touch("none")
-    assert list(bucket.names(round(time.time() * 1e3) - 60_000)) == []
+    a_minute_ago_ms = round(time.time() * 1e3) - 60_000
+    assert list(bucket.names(a_minute_ago_ms)) == []
+    assert [bucket.is_older("abcd", than_ms) for than_ms in (a_minute_ago_ms, NOW_MS)] == [False, True]
+    assert not bucket.is_older("none", NOW_MS)
 
 
 def test_link_gives_the_file_to_anybody_and_its_like_without_the_signature_does_not(

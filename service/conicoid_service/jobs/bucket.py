@@ -92,11 +92,8 @@ class Bucket:
 
     def touch(self, name: str) -> bool:
         """As `Files.touch`."""
-        try:
-            with _as_os_error():
-                return time.time() - obstore.head(self._store, _key(name))["last_modified"].timestamp() < _YOUNG_S
-        except FileNotFoundError:
-            return False
+        written_s = self._written_s(name)
+        return written_s is not None and time.time() - written_s < _YOUNG_S
 
     def names(self, older_than_ms: int) -> Iterator[str]:
         """As `Files.names`; a thousand for each request to the store."""
@@ -106,6 +103,11 @@ class Bucket:
                     if one["last_modified"].timestamp() * 1e3 < older_than_ms:
                         yield one["path"].rpartition("/")[2]
 
+    def is_older(self, name: str, than_ms: int) -> bool:
+        """As `Files.is_older`."""
+        written_s = self._written_s(name)
+        return written_s is not None and written_s * 1e3 < than_ms
+
     def sweep(self, older_than_ms: int) -> None:
         """Nothing: what is half written cannot be seen, and a rule of the bucket ends it."""
 
@@ -114,6 +116,13 @@ class Bucket:
         try:
             return str(obstore.sign(self._store, "GET", _key(name), timedelta(seconds=seconds)))
         except (BaseError, TypeError):
+            return None
+
+    def _written_s(self, name: str) -> float | None:
+        try:
+            with _as_os_error():
+                return float(obstore.head(self._store, _key(name))["last_modified"].timestamp())
+        except FileNotFoundError:
             return None
 
 
