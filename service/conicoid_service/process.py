@@ -15,8 +15,8 @@ from conicoid_service.errors import ReportedError
 
 GRACE_S = 2.0
 _STDERR = 2
-# Keys of object stores, which no child needs.
-_SECRET = re.compile("AWS_|AZURE_|GOOGLE_")
+# Keys of object stores and of PostgreSQL, which no child needs.
+_SECRET = re.compile("AWS_|AZURE_|GOOGLE_|PGPASS")
 
 
 class ProcessLostError(Exception):

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 from conicoid_service.errors import SettingsError
 from conicoid_service.telemetry.logs import FORMATS
@@ -90,7 +90,7 @@ def database_url(text: str) -> str:
     Raises:
         ValueError: it is none; the message has no password.
     """
-    return _url(text, "a PostgreSQL database", {"postgresql": "postgresql://user:password@host/name"})
+    return _server_url(text, "a PostgreSQL database", {"postgresql": "postgresql://user:password@host/name"})
 
 
 def broker_url(text: str) -> str:
@@ -100,7 +100,7 @@ def broker_url(text: str) -> str:
         ValueError: it is none; the message has no password.
     """
     example = "amqp://user:password@host/name"
-    return _url(text, "a RabbitMQ server", {"amqp": example, "amqps": example})
+    return _server_url(text, "a RabbitMQ server", {"amqp": example, "amqps": example})
 
 
 def object_store(text: str) -> str:
@@ -110,14 +110,36 @@ def object_store(text: str) -> str:
         ValueError: it is none.
     """
     example = "s3://bucket/prefix or file:///directory"
-    return _url(text, "an object store", dict.fromkeys(("s3", "gs", "az", "file"), example))
+    _parts_of(text, "an object store", dict.fromkeys(("s3", "gs", "az", "file"), example))
+    return text
 
 
-def _url(text: str, kind: str, schemes: Mapping[str, str]) -> str:
-    parts = urlsplit(text)
+def _server_url(text: str, kind: str, schemes: Mapping[str, str]) -> str:
+    """The text, if whoever reads it takes the same for user, password, host and port."""
+    parts = _parts_of(text, kind, schemes)
+    if parts.netloc.count("@") > 1 or "@" in parts.path + parts.query or parts.fragment:
+        raise ValueError(
+            "the value has more than one @, or a #; write what is special in user and password in percent-encoding: "
+            "%40 for @, %23 for #, %2F for /, %3A for :, %3F for ?, %25 for %"
+        )
+    try:
+        _ = parts.port
+    except ValueError:
+        raise ValueError(
+            "the value has a port that is no number from 0 to 65535; write another, or %2F for / and %3F for ? in user "
+            "and password"
+        ) from None
+    return text
+
+
+def _parts_of(text: str, kind: str, schemes: Mapping[str, str]) -> SplitResult:
+    try:
+        parts = urlsplit(text)
+    except ValueError:  # its message has pieces of the text
+        parts = SplitResult("", "", "", "", "")
     if parts.scheme not in schemes or not (parts.path if parts.scheme == "file" else parts.netloc):
         raise ValueError(f"the value is no URL of {kind}; write one like {next(iter(schemes.values()))}")
-    return text
+    return parts
 
 
 def parse_origins(text: str) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """A TCP proxy that tests put before a server, to let it seem slow, gone or broken to its clients."""
 
 import socket
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from threading import Event, Lock, Thread
@@ -19,6 +20,7 @@ class Proxy:
         self.address, self.port = address, server_port(address)
         self._server = (address, port)
         self._moves = Event()
+        self._s_per_byte = 0.0
         self._lock = Lock()
         self._sockets: set[socket.socket] = set()
         self._listener: socket.socket | None = None
@@ -35,6 +37,10 @@ class Proxy:
     def stall(self) -> None:
         """Take connections and bytes, and hold the bytes back."""
         self._moves.clear()
+
+    def slow(self, bytes_per_s: float) -> None:
+        """Pass so many bytes a second and no more, each connection each way."""
+        self._s_per_byte = 1 / bytes_per_s
 
     def cut(self) -> None:
         """End every connection there is; new ones are passed."""
@@ -78,6 +84,7 @@ class Proxy:
         with suppress(OSError):
             while data := source.recv(_CHUNK):
                 self._moves.wait()
+                time.sleep(len(data) * self._s_per_byte)
                 sink.sendall(data)
         with suppress(OSError):
             sink.shutdown(socket.SHUT_WR)

@@ -2,13 +2,16 @@
 
 import os
 import time
+from threading import Timer
 
 import httpx
 import pytest
 
 from conicoid_service.blob import Blob
 from conicoid_service.errors import StoreError
+from conicoid_service.jobs import bucket as module
 from conicoid_service.jobs.bucket import Bucket
+from tests.farm.proxy import Proxy
 from tests.farm.servers import Servers
 
 NOW_MS = 2**60
@@ -57,7 +60,10 @@ def test_young_file_needs_not_be_written_again(bucket: Bucket, written: bytes) -
     assert written
     assert bucket.touch("abcd")
     assert not bucket.touch("none")
-    assert list(bucket.names(round(time.time() * 1e3) - 60_000)) == []
+    a_minute_ago_ms = round(time.time() * 1e3) - 60_000
+    assert list(bucket.names(a_minute_ago_ms)) == []
+    assert [bucket.is_older("abcd", than_ms) for than_ms in (a_minute_ago_ms, NOW_MS)] == [False, True]
+    assert not bucket.is_older("none", NOW_MS)
 
 
 def test_link_gives_the_file_to_anybody_and_its_like_without_the_signature_does_not(
@@ -76,6 +82,27 @@ def test_missing_bucket_is_a_refusal_that_does_not_tell_where_it_is(servers: Ser
     with Blob.of(b"") as blob, pytest.raises(OSError, match="the object store fails") as refused:
         missing.write("abcd", blob)
     assert str(servers.store.port) not in str(refused.value)
+
+
+def test_file_is_read_for_as_long_as_bytes_come_and_no_longer(
+    servers: Servers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_ANSWER_S", 1)
+    monkeypatch.setattr(module, "_STALL_S", 1)
+    data = os.urandom(3_000_000)
+    with Proxy(servers.store.port) as proxy:
+        for name, value in servers.store.access(f"http://{proxy.address}:{proxy.port}").items():
+            monkeypatch.setenv(name, value)
+        bucket = Bucket(servers.store.create(), "images", "image/x-exr")
+        with Blob.of(data) as blob:
+            bucket.write("abcd", blob)
+        proxy.slow(1_000_000)
+        assert content(bucket, "abcd") == data
+        Timer(1.5, proxy.stall).start()
+        began = time.monotonic()
+        with pytest.raises(OSError, match="the object store fails"):
+            bucket.open("abcd")
+        assert time.monotonic() - began < 10
 
 
 def test_url_that_names_no_store_is_refused() -> None:

@@ -3,8 +3,10 @@
 import re
 from dataclasses import fields
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import pytest
+from sqlalchemy import make_url
 
 from conicoid_service.access.keys import Keys
 from conicoid_service.errors import SettingsError
@@ -118,12 +120,39 @@ def test_a_value_that_cannot_be_is_refused_by_its_variables_name(name: str, text
         ("DATABASE_URL", "postgresql:a", "is no URL of a PostgreSQL database"),
         ("OBJECT_STORE", "/mnt/share", "is no URL of an object store; write one like s3://bucket/prefix or file:///"),
         ("OBJECT_STORE", "s3:///prefix", "is no URL of an object store"),
+        ("DATABASE_URL", "postgresql://a:pass@secret@host/b", "more than one @.* in percent-encoding: %40 for @"),
+        ("DATABASE_URL", "postgresql://a:1/2@secret@host/b", "more than one @"),
+        ("DATABASE_URL", "postgresql://a:1?secret@host/b", "more than one @"),
+        ("DATABASE_URL", "postgresql://a:1#secret@host/b", "more than one @, or a #"),
+        ("DATABASE_URL", "postgresql://a:secret/1@host/b", "@"),
+        ("DATABASE_URL", "postgresql://a:b@host:secret/b", "port that is no number from 0 to 65535"),
+        ("DATABASE_URL", "postgresql://a:b@host:65536/b", "port that is no number"),
+        ("DATABASE_URL", "postgresql://a:[secret]@host/b", "is no URL of a PostgreSQL database"),
+        ("DATABASE_URL", "postgresql://a:secret\u2100@host/b", "is no URL of a PostgreSQL database"),
+        ("BROKER_URL", "amqp://a:pass@secret@host/b", "more than one @"),
+        ("BROKER_URL", "amqp://a:b@host:secret/b", "port that is no number"),
     ],
 )
 def test_a_place_that_no_farm_can_have_is_refused_without_its_password(name: str, text: str, rule: str) -> None:
     with pytest.raises(SettingsError, match=rf"CONICOID_{name}: .*{rule}") as refused:
         Settings.from_environment({f"CONICOID_{name}": text})
     assert "secret" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "postgresql://a:%40%23%2F%3A%3F%25@host:5432/b?sslmode=require",
+        "postgresql://a:b:c@[::1]:5432/d",
+        "postgresql://host/b",
+    ],
+)
+def test_database_that_is_let_through_is_the_one_that_is_opened(text: str) -> None:
+    others = {"CONICOID_BROKER_URL": "amqp://host", "CONICOID_OBJECT_STORE": "file:///a@b"}
+    url = make_url(Settings.from_environment({"CONICOID_DATABASE_URL": text, **others}).database_url)
+    parts = urlsplit(text)
+    password = unquote(parts.password) if parts.password else None
+    assert (url.username, url.password, url.host, url.port) == (parts.username, password, parts.hostname, parts.port)
 
 
 def test_half_a_farm_is_refused() -> None:

@@ -23,6 +23,7 @@ from conicoid_service.errors import (
     UnavailableError,
 )
 from conicoid_service.pool import Pool
+from conicoid_service.process import Process
 
 pytestmark = [pytest.mark.anyio, pytest.mark.usefixtures("nothing_left")]
 
@@ -45,6 +46,16 @@ async def supervisor(
         yield running
     finally:
         await asyncio.to_thread(running.stop)
+
+
+def test_child_gets_no_keys_of_servers_that_it_does_not_talk_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("PGPASSWORD", "PGPASSFILE", "AWS_SECRET_ACCESS_KEY", "AZURE_STORAGE_KEY", "GOOGLE_SERVICE_ACCOUNT"):
+        monkeypatch.setenv(name, "a secret")
+    child = Process([sys.executable, "-c", "import time; time.sleep(60)"])
+    try:
+        assert b"a secret" not in Path(f"/proc/{child.pid}/environ").read_bytes()
+    finally:
+        child.end(grace_s=0)
 
 
 async def echo(running: Pool) -> int:

@@ -22,7 +22,10 @@ if TYPE_CHECKING:  # in its stubs alone
 # As old as this a file is written once more rather than trusted to stay, see `Files.touch`.
 _YOUNG_S: Final = 1800.0
 _CONNECT_S: Final = 5
-_ANSWER_S: Final = 60
+_ANSWER_S: Final = 60  # for a whole request; a large file is written in several
+_BODY_S: Final = 600  # for a whole file that is read
+_STALL_S: Final = 30  # for the next bytes of it
+_PARTS_AT_ONCE: Final = 4  # of 5 MiB, so that 350 kB a second are enough
 _RETRY: "Final[RetryConfig]" = {"max_retries": 3, "retry_timeout": timedelta(seconds=20)}
 
 logger = logging.getLogger(__name__)
@@ -43,11 +46,10 @@ class Bucket:
 
     def __init__(self, url: str, kind: str, media_type: str) -> None:
         self._attributes = {"Content-Type": media_type}
-        client: ClientConfig = {"connect_timeout": f"{_CONNECT_S}s", "timeout": f"{_ANSWER_S}s"}
-        if os.environ.get("AWS_ALLOW_HTTP", "").lower() in ("true", "1"):  # options given here hide this variable
-            client["allow_http"] = True
+        place = f"{url.rstrip('/')}/{kind}"
         try:
-            self._store: Any = from_url(f"{url.rstrip('/')}/{kind}", client_options=client, retry_config=_RETRY)
+            self._store = _opened(place, {"timeout": f"{_ANSWER_S}s"})
+            self._reader = _opened(place, {"timeout": f"{_BODY_S}s", "read_timeout": f"{_STALL_S}s"})
         except (BaseError, ValueError) as error:
             raise StoreError(f"{url}: is no object store that can be used ({_reason(error)})") from None
 
@@ -56,7 +58,9 @@ class Bucket:
         with blob.shared() as own, _as_os_error():
             own.file.seek(0)
             try:
-                obstore.put(self._store, _key(name), own.file, attributes=self._attributes)
+                obstore.put(
+                    self._store, _key(name), own.file, attributes=self._attributes, max_concurrency=_PARTS_AT_ONCE
+                )
             except FileNotFoundError as error:
                 raise BaseError("there is no such bucket") from error
 
@@ -65,7 +69,7 @@ class Bucket:
         blob = Blob()
         try:
             with _as_os_error():
-                for chunk in obstore.get(self._store, _key(name)).stream(min_chunk_size=CHUNK):
+                for chunk in obstore.get(self._reader, _key(name)).stream(min_chunk_size=CHUNK):
                     blob.append(memoryview(chunk))
         except BaseException as error:
             blob.close()
@@ -92,11 +96,8 @@ class Bucket:
 
     def touch(self, name: str) -> bool:
         """As `Files.touch`."""
-        try:
-            with _as_os_error():
-                return time.time() - obstore.head(self._store, _key(name))["last_modified"].timestamp() < _YOUNG_S
-        except FileNotFoundError:
-            return False
+        written_s = self._written_s(name)
+        return written_s is not None and time.time() - written_s < _YOUNG_S
 
     def names(self, older_than_ms: int) -> Iterator[str]:
         """As `Files.names`; a thousand for each request to the store."""
@@ -105,6 +106,11 @@ class Bucket:
                 for one in some:
                     if one["last_modified"].timestamp() * 1e3 < older_than_ms:
                         yield one["path"].rpartition("/")[2]
+
+    def is_older(self, name: str, than_ms: int) -> bool:
+        """As `Files.is_older`."""
+        written_s = self._written_s(name)
+        return written_s is not None and written_s * 1e3 < than_ms
 
     def sweep(self, older_than_ms: int) -> None:
         """Nothing: what is half written cannot be seen, and a rule of the bucket ends it."""
@@ -115,6 +121,20 @@ class Bucket:
             return str(obstore.sign(self._store, "GET", _key(name), timedelta(seconds=seconds)))
         except (BaseError, TypeError):
             return None
+
+    def _written_s(self, name: str) -> float | None:
+        try:
+            with _as_os_error():
+                return float(obstore.head(self._store, _key(name))["last_modified"].timestamp())
+        except FileNotFoundError:
+            return None
+
+
+def _opened(place: str, client: "ClientConfig") -> Any:
+    client["connect_timeout"] = f"{_CONNECT_S}s"
+    if os.environ.get("AWS_ALLOW_HTTP", "").lower() in ("true", "1"):  # options given here hide this variable
+        client["allow_http"] = True
+    return from_url(place, client_options=client, retry_config=_RETRY)
 
 
 def _key(name: str) -> str:

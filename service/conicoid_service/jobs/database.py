@@ -31,6 +31,7 @@ _PASSING: Final = ("08", "25006", "25P03", "40", "53", "55P03", "57", "58")
 _KEPT: Final = 4  # connections that stay open
 _CLOCK_S: Final = 60.0
 _MIGRATING: Final = 0x636F6E69  # advisory lock of whoever changes the schema
+_ALONE: Final = 0x636F6E61  # of two keys, so that no second one makes it another lock than those of `alone`
 
 
 class Database:
@@ -126,7 +127,7 @@ def refuses(error: DBAPIError) -> bool:
 def alone(connection: Connection, what: str) -> None:
     """Let nobody else do this to the database until the transaction ends; in SQLite a writer is alone anyway."""
     if connection.dialect.name == "postgresql":
-        connection.execute(select(func.pg_advisory_xact_lock(func.hashtext(what))))
+        connection.execute(select(func.pg_advisory_xact_lock(_ALONE, func.hashtext(what))))
 
 
 def upsert(connection: Connection, table: Table, row: Mapping[str, Any]) -> None:

@@ -41,6 +41,10 @@ class Files(Protocol):
         """The names of all files written or touched before a time."""
         ...
 
+    def is_older(self, name: str, than_ms: int) -> bool:
+        """Whether a file is there and was written or touched before a time, not after."""
+        ...
+
     def sweep(self, older_than_ms: int) -> None:
         """Remove what dead writers left half written."""
         ...

@@ -78,6 +78,10 @@ class Folder:
             if part != self._incoming:
                 yield from (file.name for file in _older(part, older_than_ms))
 
+    def is_older(self, name: str, than_ms: int) -> bool:
+        """Whether a file is there and was written or touched before a time, not after."""
+        return _is_older(self._place(name), than_ms)
+
     def sweep(self, older_than_ms: int) -> None:
         """Remove what dead writers left half written."""
         for file in _older(self._incoming, older_than_ms):
@@ -92,10 +96,13 @@ class Folder:
 
 
 def _older(folder: Path, than_ms: int) -> Iterator[Path]:
-    for file in folder.iterdir():
-        with suppress(FileNotFoundError):  # it is gone meanwhile
-            if file.stat().st_mtime_ns < than_ms * 1_000_000:
-                yield file
+    return (file for file in folder.iterdir() if _is_older(file, than_ms))
+
+
+def _is_older(file: Path, than_ms: int) -> bool:
+    with suppress(FileNotFoundError):  # it is gone meanwhile
+        return file.stat().st_mtime_ns < than_ms * 1_000_000
+    return False
 
 
 def _sync_folder(path: Path) -> None:

@@ -95,8 +95,7 @@ class Jobs:
         storage = self._storage
         batch = await self._pipeline.read_batch(body)
         with batch.views, batch.quadrics:
-            needed = await storage.do(storage.upkeep.needed_bytes)
-            if needed > self._settings.store_limit:
+            if (needed := self._keeper.overdrawn) is not None:
                 raise StorageError(
                     f"the images of jobs that are kept take {needed} bytes, the limit is {self._settings.store_limit}; "
                     "try again when some have expired"

@@ -11,7 +11,7 @@ from conicoid_service.jobs.storage import Storage
 
 RECLAIM_S: Final = 2.0
 EVICT_S: Final = 10.0
-SWEEP_S: Final = 600.0
+SWEEP_S: Final = 3600.0  # it lists every file, which a store may charge for
 # Files without an entry in the database may belong to a server that is about to make it.
 _STRAY_MS: Final = 3_600_000
 
@@ -19,10 +19,15 @@ logger = logging.getLogger(__name__)
 
 
 class Keeper:
-    """Takes up what other servers left, ends what is over, makes room; for one event loop."""
+    """Takes up what other servers left, ends what is over, makes room; for one event loop.
+
+    Attributes:
+        overdrawn: bytes of images that jobs need, if they were more than the limit some seconds ago.
+    """
 
     def __init__(self, storage: Storage, store_limit: int) -> None:
         self._storage, self._store_limit = storage, store_limit
+        self.overdrawn: int | None = None
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
@@ -46,6 +51,7 @@ class Keeper:
                     if leads:
                         await self._storage.do(self._storage.check_mark)
                         await self._tidy()
+                    self.overdrawn = await self._storage.do(self._storage.upkeep.overdrawn, self._store_limit)
                     await self._storage.do(self._storage.check)
                     if leads and rounds % round(SWEEP_S / RECLAIM_S) == 0:
                         await self._sweep()

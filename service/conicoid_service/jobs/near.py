@@ -55,6 +55,10 @@ class Near:
         """As `Files.names`."""
         return self._far.names(older_than_ms)
 
+    def is_older(self, name: str, than_ms: int) -> bool:
+        """As `Files.is_older`."""
+        return self._far.is_older(name, than_ms)
+
     def sweep(self, older_than_ms: int) -> None:
         """As `Files.sweep`."""
         self._far.sweep(older_than_ms)

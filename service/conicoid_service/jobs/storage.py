@@ -176,10 +176,10 @@ class Storage:
         return self._mark is None or self._mark.is_set()
 
     def remove_quadrics(self, older_than_ms: int) -> None:
-        """Remove the quadrics that no job needs."""
+        """Remove the quadrics that no job needs, nor one that is about to be made: it has touched them by now."""
         needed = self.upkeep.needed_quadrics()
         for name in list(self.quadrics.names(older_than_ms)):
-            if name not in needed:
+            if name not in needed and self.quadrics.is_older(name, older_than_ms):
                 self.quadrics.remove(name)
 
     def close(self) -> None:
@@ -214,9 +214,15 @@ def _folders(root: Path) -> tuple[Folder, Folder, Holder]:
 
 
 def _refusal(error: DBAPIError | PoolTimeoutError | OSError) -> str | None:
-    """Why something is refused, without paths; None if the error is another one."""
+    """Why something is refused, without paths and hosts; None if the error is another one."""
     if isinstance(error, PoolTimeoutError):
         return "too much is asked of the database"
     if isinstance(error, OSError):
         return error.strerror if error.errno in _REFUSALS else None
-    return " ".join(str(error.orig).split()) if refuses(error) else None
+    if not refuses(error):
+        return None
+    reason = " ".join(str(error.orig).split())
+    if not hasattr(error.orig, "sqlstate"):  # SQLite's, a few words
+        return reason
+    logger.warning("the database: %s", reason)
+    return "the database does not answer"

@@ -1,13 +1,14 @@
 """What is given up: jobs whose time is over, images that nobody needs and for which there is no room, stray files."""
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Final, Literal
 
 from sqlalchemy import Connection, delete, exists, func, select, union, update
 
 from conicoid_service.jobs.database import Database, upsert
-from conicoid_service.jobs.records import STATES, StoredImage
-from conicoid_service.jobs.tables import frames, images, jobs, metadata, scenes
+from conicoid_service.jobs.records import STATES, UNFINISHED, StoredImage
+from conicoid_service.jobs.tables import frames, images, jobs, scenes
 
 Counted = Literal["jobs", "frames", "bytes"]
 
@@ -55,34 +56,39 @@ class Upkeep:
 
         Empty when the rest takes no more than `limit` bytes, or jobs need all of it.
         """
-        with self._database.writing() as connection:
+        tags: list[str] = []
+        with self._database.reading() as connection:  # it looks at all images, while nobody should wait
             over = _bytes(connection) - limit
             if over <= 0:
-                return []
+                return tags
             query = select(images.c.tag, images.c.bytes).where(~_NEEDED).order_by(images.c.used_ms).limit(_AT_ONCE)
-            tags: list[str] = []
             for tag, size in connection.execute(query):
                 if over <= 0:
                     break
                 tags.append(tag)
                 over -= size
-            connection.execute(delete(images).where(images.c.tag.in_(tags)))
+        if not tags:
             return tags
+        with self._database.writing() as connection:
+            still = delete(images).where(images.c.tag.in_(tags), ~_NEEDED).returning(images.c.tag)
+            forgotten = set(connection.execute(still).scalars())
+        return [tag for tag in tags if tag in forgotten]
 
-    def needed_bytes(self) -> int:
-        """Bytes of images that jobs need."""
+    def overdrawn(self, limit: int) -> int | None:
+        """Bytes of images that jobs need, if they are more than a limit."""
         with self._database.reading() as connection:
-            return _bytes(connection, _NEEDED)
+            if _bytes(connection) <= limit:  # which costs a tenth of the other sum
+                return None
+            needed = _bytes(connection, _NEEDED)
+            return needed if needed > limit else None
 
     def counts(self, what: Counted) -> dict[str, float]:
         """Jobs or frames by state, or, by "", bytes of all images."""
         with self._database.reading() as connection:
             if what == "bytes":
                 return {"": float(_bytes(connection))}
-            state = metadata.tables[what].c.state
-            query = select(state, func.count()).group_by(state)
-            rows = connection.execute(query.where(frames.c.band == 0) if what == "frames" else query)
-            return dict.fromkeys(STATES, 0.0) | {name: float(count) for name, count in rows}
+            counted = _frames(connection) if what == "frames" else _jobs(connection)
+            return dict.fromkeys(STATES, 0.0) | {name: float(count) for name, count in counted.items()}
 
     def unknown_tags(self, tags: Sequence[str]) -> set[str]:
         """Those of some tags that no image has."""
@@ -99,6 +105,26 @@ class Upkeep:
         query = union(select(jobs.c.quadrics_hash), select(scenes.c.id))
         with self._database.reading() as connection:
             return set(connection.execute(query).scalars())
+
+
+def _jobs(connection: Connection) -> dict[str, int]:
+    rows = connection.execute(select(jobs.c.state, func.count()).group_by(jobs.c.state))
+    return {state: count for state, count in rows}  # noqa: C416  # a row is no pair to mypy
+
+
+def _frames(connection: Connection) -> dict[str, int]:
+    """By state, from what the jobs have counted: other frames wait, or run, or were cancelled with their job."""
+    running = select(func.count()).where(frames.c.state == "running", frames.c.band == 0).scalar_subquery()
+    done, failed = func.sum(jobs.c.frames_done), func.sum(jobs.c.frames_failed)
+    query = select(jobs.c.state, func.sum(jobs.c.frames_total), done, failed, running).group_by(jobs.c.state)
+    counts: Counter[str] = Counter()
+    for state, total, succeeded, without, run in connection.execute(query):
+        counts["succeeded"] += succeeded
+        counts["failed"] += without
+        counts["queued" if state in UNFINISHED else state] += total - succeeded - without
+        counts["running"] = run
+    counts["queued"] -= counts["running"]
+    return counts
 
 
 def _bytes(connection: Connection, *where: Any) -> int:

@@ -60,9 +60,12 @@ def test_touched_file_is_young(tmp_path: Path) -> None:
         folder.write("abc", blob)
     os.utime(tmp_path / "ab" / "abc", (1, 1))
     assert list(folder.names(2000)) == ["abc"]
+    assert folder.is_older("abc", 2000)
     assert folder.touch("abc")
     assert list(folder.names(2000)) == []
+    assert not folder.is_older("abc", 2000)
     assert not folder.touch("abd")
+    assert not folder.is_older("abd", LATER_MS)
 
 
 def test_open_file_outlives_its_removal(tmp_path: Path) -> None:

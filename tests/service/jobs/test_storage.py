@@ -2,11 +2,15 @@
 
 import asyncio
 import errno
+import logging
+import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psycopg
 import pytest
+from sqlalchemy.exc import OperationalError
 
 from conicoid_service.blob import Blob
 from conicoid_service.errors import StorageError, StoreError
@@ -67,6 +71,39 @@ async def test_disk_that_refuses_is_told_from_a_defect(storage: Storage) -> None
         await storage.do(refuse, errno.EBADF)
     await storage.do(storage.check)
     assert storage.trouble is None
+
+
+async def test_what_a_database_server_says_is_for_the_log(storage: Storage, caplog: pytest.LogCaptureFixture) -> None:
+    def refuse() -> None:
+        said = 'connection to server at "10.0.0.7", port 5432 failed: FATAL: password of "conicoid"'
+        raise OperationalError("SELECT 1", {}, psycopg.OperationalError(said))
+
+    with caplog.at_level(logging.WARNING), pytest.raises(StorageError, match="the database does not answer") as refused:
+        await storage.do(refuse)
+    assert "10.0.0.7" not in f"{refused.value}{storage.trouble}"
+    assert caplog.text.count("10.0.0.7") == 1
+
+
+@pytest.mark.parametrize("again", ["touched", "written"])
+def test_quadrics_that_a_new_job_asks_for_while_others_are_removed_stay(
+    storage: Storage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, again: str
+) -> None:
+    with Blob.of(b"quadrics") as blob:
+        for name in ("wanted", "others"):
+            storage.quadrics.write(name, blob)
+            os.utime(tmp_path / "quadrics" / name[:2] / name, (1, 1))
+        names = storage.quadrics.names
+
+        def meanwhile(older_than_ms: int) -> Iterator[str]:
+            yield from sorted(names(older_than_ms))
+            if again == "touched":
+                storage.quadrics.touch("wanted")
+            else:
+                storage.quadrics.write("wanted", blob)
+
+        monkeypatch.setattr(storage.quadrics, "names", meanwhile)
+        storage.remove_quadrics(older_than_ms=2000)
+    assert [storage.quadrics.size(name) for name in ("wanted", "others")] == [8, None]
 
 
 def test_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:

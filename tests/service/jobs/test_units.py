@@ -56,10 +56,10 @@ def test_images_of_bands_make_room_once_their_frame_has_ended(store: Store) -> N
     for _ in range(3):
         claim = store.take()
         store.work.finish(claim, image(f"band {claim.band}", 10), 0)
-    assert (store.upkeep.evict(0), store.upkeep.needed_bytes()) == ([], 30)
+    assert (store.upkeep.evict(0), store.upkeep.overdrawn(0)) == ([], 30)
     store.work.finish(store.take(), image("whole", 25), 0)
     assert sorted(store.upkeep.evict(0)) == ["band 1", "band 2", "band 3"]
-    assert store.upkeep.needed_bytes() == 25
+    assert store.upkeep.overdrawn(0) == 25
 
 
 def test_band_that_fails_fails_its_frame_and_ends_the_other_bands(store: Store) -> None:
