@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+from conicoid.errors import QuadricsFileError
 from conicoid_service.bands import band_crop, band_view
 from conicoid_service.blob import Blob
 from conicoid_service.entity_tags import entity_tag
-from conicoid_service.errors import RenderCrashedError, ServiceError
+from conicoid_service.errors import RenderCrashedError, ReportedError, ServiceError
 from conicoid_service.gallery import Gallery
 from conicoid_service.images import Image
 from conicoid_service.jobs.clock import now_ms
@@ -48,7 +49,12 @@ class Painter:
             raise ServiceError("the quadrics of the job are not in the store any more; submit it again")
         read = ReadScene(Blob.of(view), quadrics, False, scene_hash, claim.quadrics_hash, {}, stored=True)
         with read.view, read.quadrics:
-            return (await self._gallery.show(tag, read, owner=claim.owner, batch=batch)).image
+            try:
+                return (await self._gallery.show(tag, read, owner=claim.owner, batch=batch)).image
+            except ReportedError as error:
+                if error.code == QuadricsFileError.code:  # so that they are written when the job is submitted again
+                    await self._storage.do(self._storage.quadrics.remove, claim.quadrics_hash)
+                raise
 
     async def _join(self, claim: Claim, batch: bool) -> Image:
         """The whole frame, of bands that are there; of one that is not any more, rendered once more."""

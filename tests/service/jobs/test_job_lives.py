@@ -60,7 +60,8 @@ async def test_damaged_image_is_rendered_again(client: httpx.AsyncClient, tmp_pa
 
 async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, search_path: None) -> None:  # noqa: ARG001
     async with serving(settings(tmp_path), FAKE) as client:
-        job = await submit(client, batch(1, f"until {tmp_path / 'go'}"))
+        document = batch(1, f"until {tmp_path / 'go'}")
+        job = await submit(client, document)
     files = stored(settings(tmp_path), "quadrics")
     name = next(files.names(EVERY))
     write(files, name, content(files, name)[:100])
@@ -68,6 +69,9 @@ async def test_damaged_quadrics_fail_the_frame_with_the_remedy(tmp_path: Path, s
     async with serving(settings(tmp_path), FAKE) as client:
         failed = await ended(client, job["href"])
         assert failed["frames"][0]["error"]["code"] == "quadrics-file"
+        (tmp_path / "go").touch()
+        again = await submit(client, document)
+        assert (await ended(client, again["href"]))["state"] == "succeeded"
 
 
 async def test_frame_that_is_rendered_in_bands_is_what_a_render_in_one_piece_gives(tmp_path: Path) -> None:
