@@ -58,6 +58,7 @@ $(EMBREE): bench/embree/ellipsoids.cpp
 bench-farm: $(SETUP)
 	.venv/bin/python bench/farm.py --output bench/results
 	.venv/bin/pytest tests/farm/test_kill_matrix.py --results bench/results
+	.venv/bin/python bench/document.py
 
 # Twice what the service can do, for ten minutes.
 load: $(SETUP) build/load/.setup

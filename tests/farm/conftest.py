@@ -11,7 +11,7 @@ from typing import Final
 import pytest
 
 from conicoid_bench.machine import commit, processor
-from tests.farm.jobs import Recovery
+from tests.farm.jobs import FRAMES, Recovery
 from tests.farm.servers import Servers
 
 _RECOVERIES: Final = pytest.StashKey[dict[str, Recovery]]()
@@ -54,6 +54,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
     if folder := config.getoption("--results"):
         results = {
             "date": datetime.now(UTC).isoformat(timespec="seconds"), "commit": commit(), "processor": processor(),
-            "cpus": os.cpu_count(), "seconds": {what: asdict(found) for what, found in recoveries.items()},
+            "cpus": os.cpu_count(), "frames": FRAMES,
+            "seconds": {what: asdict(found) for what, found in recoveries.items()},
         }  # fmt: skip
         (folder / "farm-recovery.json").write_text(json.dumps(results, indent=1) + "\n", "utf-8")
