@@ -33,20 +33,18 @@ class UnitConsumer(Consumer):
 
 
 class UnitTask(Task):
-    """Renders the units that one child of the worker gets, on a station that is made with the first."""
+    """Renders the units that one child of the worker gets, on the station that it made when it began."""
 
     name = TASK
     Request = "conicoid_service.farm.worker:UnitRequest"
     settings: Settings
     watch: Watch
-    station: Station | None = None
+    station: Station
 
     def run(self, **message: Any) -> str:
         """Render the unit of a message; see `Station.execute`."""
-        if UnitTask.station is None:
-            UnitTask.station = Station(self.settings)
         redelivered = bool(self.request.delivery_info["redelivered"])
-        return UnitTask.station.execute(message, redelivered=redelivered)
+        return self.station.execute(message, redelivered=redelivered)
 
 
 class UnitRequest(Request):
@@ -91,6 +89,7 @@ def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
     UnitTask.watch = Watch(settings.worker_port)
     app.register_task(UnitTask())
     signals.worker_ready.connect(UnitTask.watch.follow, weak=False)
+    signals.worker_process_init.connect(_open_station, weak=False)
     signals.worker_process_shutdown.connect(_close_station, weak=False)
     worker = app.Worker(
         hostname=f"conicoid-{os.getpid()}@{socket.gethostname()}",
@@ -106,6 +105,10 @@ def work(settings: Settings, queues: Sequence[Priority], processes: int) -> int:
     return int(worker.exitcode or 0)
 
 
+def _open_station(**_: Any) -> None:
+    """In a child: its kernels are compiled while it waits for its first unit."""
+    UnitTask.station = Station(UnitTask.settings)
+
+
 def _close_station(**_: Any) -> None:
-    if UnitTask.station is not None:
-        UnitTask.station.close()
+    UnitTask.station.close()
