@@ -15,20 +15,24 @@ logger = logging.getLogger(__name__)
 
 
 class Watch:
-    """Counts what a worker does; on a port, `/livez`, `/readyz` and `/metrics` tell of it."""
+    """Counts what a worker does; on a port, `/livez`, `/readyz` and `/metrics` tell of it.
+
+    Attributes:
+        registry: the metrics.
+    """
 
     def __init__(self, port: int) -> None:
         """Listen on `port` of every address; 0 means nowhere."""
-        registry = CollectorRegistry()
+        self.registry = CollectorRegistry()
         self._units = Counter("conicoid_worker_units", "Units that were delivered, by how they went", ["outcome"],
-                              registry=registry)  # fmt: skip
+                              registry=self.registry)  # fmt: skip
         self._seconds = Histogram("conicoid_worker_unit_seconds", "From the delivery of a unit to its end",
-                                  buckets=_BUCKETS, registry=registry)  # fmt: skip
-        connected = Gauge("conicoid_worker_connected", "Whether the broker is there", registry=registry)
+                                  buckets=_BUCKETS, registry=self.registry)  # fmt: skip
+        connected = Gauge("conicoid_worker_connected", "Whether the broker is there", registry=self.registry)
         connected.set_function(lambda: float(self.connected))
         for outcome in ("done", "dropped", "unable", "failed"):
             self._units.labels(outcome)
-        self._metrics = make_wsgi_app(registry)
+        self._metrics = make_wsgi_app(self.registry)
         self._consumer: Any = None
         if port:
             server = make_server("", port, self._answer, _Server, _Silent)

@@ -7,16 +7,18 @@ from typing import Any
 
 from prometheus_client.core import Metric
 
+from conicoid_service.farm.watch import Watch
 from conicoid_service.telemetry.metrics import Metrics
 from conicoid_service.telemetry.watched import WATCHED
 from tests.checkout import ROOT
 
 DASHBOARD: dict[str, Any] = json.loads((ROOT / "docker/grafana/conicoid.json").read_text("utf-8"))
-OPERATIONS = (ROOT / "docs/operations.md").read_text("utf-8")
+# The API's metrics and the workers'.
+PAGES = "\n".join((ROOT / "docs" / name).read_text("utf-8") for name in ("operations.md", "farm.md"))
 
 
 def families() -> list[Metric]:
-    return list(Metrics().registry.collect())
+    return [*Metrics().registry.collect(), *Watch(0).registry.collect()]
 
 
 def exported() -> dict[str, bool]:
@@ -60,6 +62,6 @@ def test_the_dashboard_takes_whichever_data_source_is_chosen() -> None:
 
 
 def test_the_documentation_has_every_metric_of_ours_and_no_other() -> None:
-    rows = re.findall(r"^\| (`conicoid_.*?) \| (?:counter|gauge|histogram) \|", OPERATIONS, re.MULTILINE)
+    rows = re.findall(r"^\| (`conicoid_.*?) \| (?:counter|gauge|histogram) \|", PAGES, re.MULTILINE)
     assert set().union(*map(named, rows)) == {name for name, ours in exported().items() if ours}
-    assert {name for name in named(OPERATIONS) if name != "process_"} <= exported().keys()
+    assert {name for name in named(PAGES) if name != "process_"} <= exported().keys()
