@@ -14,6 +14,7 @@ import pytest
 from conicoid_client import Client
 from tests.checkout import BIN, ROOT
 from tests.farm.farm import Farm
+from tests.farm.processes import until
 
 SCENE: dict[str, Any] = json.loads((ROOT / "examples/shapes.json").read_text("utf-8"))
 SCENE["camera"] |= {"width": 64, "height": 64}
@@ -68,10 +69,10 @@ def test_worker_that_can_render_nothing_gives_its_unit_back_and_ends(
         assert ended.returncode == 1
         assert "no such device" in ended.stderr
         assert client.job(job.id).state == "queued"
-        while run_worker(environment, "--once").returncode == 0 and client.job(job.id).state != "succeeded":
-            pass
-        (frame,) = client.frames(job.id)
-        assert frame.state == "succeeded"
+        until(
+            lambda: run_worker(environment, "--once").returncode == 0 and client.job(job.id).state == "succeeded",
+            "the frame",
+        )
 
 
 def test_worker_that_is_told_to_end_ends_its_unit(tmp_path: Path, environment: dict[str, str]) -> None:
@@ -79,8 +80,7 @@ def test_worker_that_is_told_to_end_ends_its_unit(tmp_path: Path, environment: d
     document["cameras"] = [SCENE["camera"] | {"far": 100.0 + k} for k in range(300)]
     with Farm(tmp_path, environment, workers=1) as farm, Client(farm.api.url) as client:
         job = client.submit(document)
-        while client.job(job.id).frames_done < 5:
-            pass
+        until(lambda: client.job(job.id).frames_done >= 5, "five frames")
         assert farm.workers[0].stop() == 0
         left = client.job(job.id)
         assert left.frames_failed == 0
