@@ -1,8 +1,11 @@
 """What happens to jobs and frames in the database."""
 
+import json
+import tracemalloc
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import get_args
@@ -263,3 +266,15 @@ def test_room_is_made_by_what_no_job_needs_and_was_used_longest_ago(store: Store
     assert store.upkeep.counts("bytes") == {"": 100}
     store.upkeep.expire(10**12)
     assert store.upkeep.evict(0) == ["needed"]
+
+
+def test_job_of_ten_thousand_frames_is_made_in_little_memory(tmp_path: Path) -> None:
+    view = json.dumps({"camera": {"crop": [0, 0, 9, 9]}, "output": {"precision": "exact"}, "scene_hash": "x" * 900})
+    job = replace(new_job(), frames_total=10_000, views=(view.encode() for _ in range(10_000)))
+    with opened(tmp_path, owner_frame_limit=20_000) as store:
+        store.submit(600)  # what is loaded once is
+        tracemalloc.start()
+        made, _ = store.jobs.create(job, 0)
+        assert tracemalloc.get_traced_memory()[1] < 5_000_000  # all views are 10 MB
+        tracemalloc.stop()
+        assert [frame.number for frame in store.jobs.frames(made.id, 9_998, 9)] == [9_998, 9_999]
