@@ -27,12 +27,13 @@ def throughput(results: dict[str, Any]) -> str:
 def recovery(results: dict[str, Any]) -> str:
     """Seconds to recover from what tests/farm/test_kill_matrix.py does to a farm."""
     where = f"{results['processor']}, {results['cpus']} CPUs, commit {results['commit']}"
+    what = f"three workers, a job of {results['frames']} frames, seconds from the end of what happens"
     lines = [
-        f"{where}, three workers, a job of {results['frames']} frames; seconds from the end of what happens:",
+        f"{where}, {what} (0.0 where the job has ended meanwhile):",
         "",
         "| what happens | to the next frame | to the job's end |",
         "| --- | ---: | ---: |",
     ]
-    for what, seconds in results["seconds"].items():
-        lines.append(f"| {what} | {seconds['next_frame_s']:.1f} | {seconds['job_s']:.1f} |")
+    for name, seconds in results["seconds"].items():
+        lines.append(f"| {name} | {seconds['next_frame_s']:.1f} | {seconds['job_s']:.1f} |")
     return "\n".join(lines) + "\n"
