@@ -58,8 +58,9 @@ class Upkeep:
         """
         tags: list[str] = []
         with self._database.reading() as connection:  # it looks at all images, while nobody should wait
-            over = _bytes(connection) - limit
-            if over <= 0:
+            total = _bytes(connection)
+            over = total - limit
+            if over <= 0 or _bytes(connection, _NEEDED) >= total:  # a sum is soon had, a search in vain is not
                 return tags
             query = select(images.c.tag, images.c.bytes).where(~_NEEDED).order_by(images.c.used_ms).limit(_AT_ONCE)
             for tag, size in connection.execute(query):
