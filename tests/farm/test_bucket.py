@@ -89,7 +89,7 @@ def test_file_is_read_for_as_long_as_bytes_come_and_no_longer(
 ) -> None:
     monkeypatch.setattr(module, "_ANSWER_S", 1)
     monkeypatch.setattr(module, "_STALL_S", 1)
-    data = os.urandom(3_000_000)
+    data = os.urandom(6_000_000)  # more than comes in four attempts of a second
     with Proxy(servers.store.port) as proxy:
         for name, value in servers.store.access(f"http://{proxy.address}:{proxy.port}").items():
             monkeypatch.setenv(name, value)
