@@ -48,7 +48,10 @@ class Broker:
     def depth(self, priority: Priority) -> int:
         """How many units of a priority wait in the queue, apart from those that workers have."""
         with self._using() as connection:
-            return int(QUEUES[priority].bind(connection.default_channel).queue_declare().message_count)
+            queue = QUEUES[priority].bind(connection.default_channel)
+            count = int(queue.queue_declare().message_count)
+            queue.queue_bind()  # somebody may have deleted it since, with its binding
+            return count
 
     def connect(self) -> None:
         """Have a connection."""
