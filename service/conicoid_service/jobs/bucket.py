@@ -25,6 +25,7 @@ _CONNECT_S: Final = 5
 _ANSWER_S: Final = 60  # for a whole request; a large file is written in several
 _BODY_S: Final = 600  # for a whole file that is read
 _STALL_S: Final = 30  # for the next bytes of it
+_AT_ONCE: Final = 5 << 20
 _PARTS_AT_ONCE: Final = 4  # of 5 MiB, so that 350 kB a second are enough
 _RETRY: "Final[RetryConfig]" = {"max_retries": 3, "retry_timeout": timedelta(seconds=20)}
 
@@ -57,10 +58,10 @@ class Bucket:
         """As `Files.write`: an object is there as a whole, or not."""
         with blob.shared() as own, _as_os_error():
             own.file.seek(0)
+            # Of a file the library reads its first part to learn whether there is another.
+            data = own.file if len(own) > _AT_ONCE else own.read()
             try:
-                obstore.put(
-                    self._store, _key(name), own.file, attributes=self._attributes, max_concurrency=_PARTS_AT_ONCE
-                )
+                obstore.put(self._store, _key(name), data, attributes=self._attributes, max_concurrency=_PARTS_AT_ONCE)
             except FileNotFoundError as error:
                 raise BaseError("there is no such bucket") from error
 

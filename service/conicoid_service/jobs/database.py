@@ -40,14 +40,15 @@ class Database:
     Args:
         place: the file, made if it is not there; or a `postgresql://` URL.
         migrate: whether to bring the tables up to date; a worker leaves that to the API.
+        patient: whether its users try again, so that no connection needs to be tried before it is used.
         threads: how many use it at once.
     Raises:
         StoreError: it cannot be opened, is no database, or was written by a newer version.
     """
 
-    def __init__(self, place: Path | str, *, migrate: bool = True, threads: int = 1) -> None:
+    def __init__(self, place: Path | str, *, migrate: bool = True, patient: bool = False, threads: int = 1) -> None:
         self.shared = isinstance(place, str)
-        self._engine = _postgresql(place, threads) if isinstance(place, str) else _sqlite(place)
+        self._engine = _postgresql(place, threads, patient) if isinstance(place, str) else _sqlite(place)
         self._offset_ms, self._read_at = 0, -_CLOCK_S
         shown = self._engine.url.render_as_string(hide_password=True) if self.shared else str(place)
         try:
@@ -145,11 +146,11 @@ def _sqlite(path: Path) -> Engine:
     return engine
 
 
-def _postgresql(url: str, threads: int) -> Engine:
+def _postgresql(url: str, threads: int, patient: bool) -> Engine:
     driver = make_url(url).set(drivername="postgresql+psycopg")
     kept = min(threads, _KEPT)
     # One more, for the session of `Leadership`.
-    pool = {"pool_pre_ping": True, "pool_size": kept, "max_overflow": threads + 1 - kept}
+    pool = {"pool_pre_ping": not patient, "pool_size": kept, "max_overflow": threads + 1 - kept}
     return create_engine(driver, connect_args=dict(_POSTGRESQL), **pool)
 
 

@@ -67,7 +67,7 @@ class Storage:
             self.holder: Holder | Named = Named()
             self._mark: Mark | None
             threads = _THREADS if api else _WORKERS_THREADS
-            self._database = Database(settings.database_url, migrate=api, threads=2 * threads)
+            self._database = Database(settings.database_url, migrate=api, patient=not api, threads=2 * threads)
             self._for_tables = ThreadPoolExecutor(threads, thread_name_prefix="job-tables")
             self._for_files = ThreadPoolExecutor(threads, thread_name_prefix="job-files")
             self._mark = Mark(files_at(place, "mark", "text/plain"), self._database, sets=api)

@@ -1,9 +1,9 @@
 """What a server does to units: take one, end it, give it back. Each step is one transaction."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any, Final
 
-from sqlalchemy import Connection, and_, exists, func, or_, select, update
+from sqlalchemy import Connection, Select, and_, exists, func, or_, select, update
 
 from conicoid_service.jobs.database import Database, upsert
 from conicoid_service.jobs.records import Claim, StoredImage, Unit
@@ -53,22 +53,24 @@ class Work:
             return self._take(connection, unit, [or_(frames.c.state == "queued", gone)], now_ms)
 
     def _take(self, connection: Connection, unit: Unit, where: list[Any], now_ms: int) -> Claim | None:
-        this = [*at(unit), frames.c.bands_left == 0, *where]
-        started = {"state": "running", "started_ms": func.coalesce(jobs.c.started_ms, now_ms)}
-        connection.execute(
-            update(jobs)
-            .where(jobs.c.id == unit.job_id, jobs.c.state == "queued", exists().where(*this))
-            .values(started)
-        )
-        taken = {"state": "running", "holder": self._holder, "attempts": frames.c.attempts + 1, "taken_ms": now_ms}
-        if not connection.execute(update(frames).where(*this).values(taken)).rowcount:
+        seen = connection.execute(_claims(unit)).one_or_none()
+        if seen is None:
             return None
-        return _claim(connection, unit)
+        *about, state = seen
+        this = [*at(unit), frames.c.bands_left == 0, *where]
+        if state == "queued":  # once in a job's life; before the frame, as whoever ends or cancels it locks them
+            started = {"state": "running", "started_ms": func.coalesce(jobs.c.started_ms, now_ms)}
+            its_own = [jobs.c.id == unit.job_id, jobs.c.state == "queued", exists().where(*this)]
+            connection.execute(update(jobs).where(*its_own).values(started))
+        taken = {"state": "running", "holder": self._holder, "attempts": frames.c.attempts + 1, "taken_ms": now_ms}
+        taking = update(frames).where(*this).values(taken).returning(frames.c.attempts)
+        attempts = connection.execute(taking).scalar()
+        return None if attempts is None else replace(Claim(*about), attempts=attempts)
 
     def frame(self, job_id: str, number: int) -> Claim:
         """A whole frame as a claim would give it, without taking it."""
         with self._database.reading() as connection:
-            return _claim(connection, Unit(job_id, number, 0))
+            return Claim(*connection.execute(_claims(Unit(job_id, number, 0))).one()[:-1])
 
     def finish(self, claim: Claim, image: StoredImage, now_ms: int) -> bool:
         """The unit has an image, which is on the disk; False if it was cancelled or taken from us."""
@@ -123,8 +125,8 @@ class Work:
         return [*at(claim), frames.c.state == "running", frames.c.holder == self._holder]
 
 
-def _claim(connection: Connection, unit: Unit) -> Claim:
+def _claims(unit: Unit) -> Select[Any]:
+    """A unit as a `Claim` has it, and the state of its job."""
     columns = [jobs.c[one.name] if one.name in ("owner", "quadrics_hash") else frames.c[one.name]
                for one in fields(Claim)]  # fmt: skip
-    query = select(*columns).join_from(frames, jobs).where(*at(unit))
-    return Claim(*connection.execute(query).one())
+    return select(*columns, jobs.c.state).join_from(frames, jobs).where(*at(unit))
