@@ -99,13 +99,13 @@ def test_pulled_cable_loses_packets_for_those_inside_alone() -> None:
     with Network() as network:
         for port in echo(network.address):
             url = f"http://{network.address}:{port}/"
-            ask = [*network.inside, "curl", "--silent", "--max-time", "1", "--request", "PUT", "--data", "hello", url]
-            assert subprocess.run(ask, capture_output=True, check=True).stdout == b"hello"
+            ask = [*network.inside, "curl", "--silent", "--request", "PUT", "--data", "hello", url, "--max-time"]
+            assert subprocess.run([*ask, "10"], capture_output=True, check=True).stdout == b"hello"
             network.pull()
-            assert subprocess.run(ask, capture_output=True, check=False).returncode == 28  # time is up
+            assert subprocess.run([*ask, "1"], capture_output=True, check=False).returncode == 28  # time is up
             assert httpx.put(url, content=b"hello").content == b"hello"
             network.plug()
-            assert subprocess.run(ask, capture_output=True, check=True).stdout == b"hello"
+            assert subprocess.run([*ask, "10"], capture_output=True, check=True).stdout == b"hello"
     until(lambda: network.address not in addresses(), "the link gone with its network", 10)
 
 
