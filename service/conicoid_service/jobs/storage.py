@@ -114,7 +114,8 @@ class Storage:
             self.trouble = _refusal(error)
             if self.trouble is None:
                 raise
-            raise StorageError(f"the job store does not take it ({self.trouble}); try again later") from error
+            what = "the job store" if self.shared else "the disk"
+            raise StorageError(f"{what} does not take it ({self.trouble}); try again later") from error
 
     async def insist(self, step: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """Have a thread take a step, however long it is refused."""

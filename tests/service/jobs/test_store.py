@@ -269,7 +269,8 @@ def test_room_is_made_by_what_no_job_needs_and_was_used_longest_ago(store: Store
 
 
 def test_job_of_ten_thousand_frames_is_made_in_little_memory(tmp_path: Path) -> None:
-    view = json.dumps({"camera": {"crop": [0, 0, 9, 9]}, "output": {"precision": "exact"}, "scene_hash": "x" * 900})
+    camera = {"crop": [0, 0, 9, 9], "name": "x" * 900}
+    view = json.dumps({"camera": camera, "output": {"precision": "exact"}, "scene_hash": "hash"})
     job = replace(new_job(), frames_total=10_000, views=(view.encode() for _ in range(10_000)))
     with opened(tmp_path, owner_frame_limit=20_000) as store:
         store.submit(600)  # what is loaded once is
