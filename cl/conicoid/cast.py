@@ -9,7 +9,7 @@ from conicoid.bins import Bins
 from conicoid.device import describe
 from conicoid.memory import Queue
 from conicoid.program import build
-from conicoid.scene import Precision, Scene
+from conicoid.scene import PLANES, Precision, Scene
 from conicoid.setup import Visible
 from conicoid.view import View
 
@@ -18,10 +18,6 @@ _FILES: Final = [
     "extents.h", "candidates.h", "general.h", "normals.h", "simple.h", "winners.h", "channels.h", "cast.cl",
 ]  # fmt: skip
 _WANT: Final = {"Z": 1, "T": 2, "ZBack": 4, "N": 8, "P": 16, "id": 32, "A": 64}
-# Planes lie in this order, whatever order the document asks them in.
-_PLANES: Final = {
-    "Z": ("Z",), "T": ("T",), "ZBack": ("ZBack",), "N": ("N.X", "N.Y", "N.Z"), "P": ("P.X", "P.Y", "P.Z"), "A": ("A",)
-}  # fmt: skip
 # `frame` in kernels/tile.h.
 _FRAME: Final = np.dtype(
     [
@@ -80,8 +76,8 @@ class Caster:
         height, width = y1 - y0, x1 - x0
         # A tight data window is found from the mask.
         channels = {*output.channels, "A"} if output.data_window == "tight" else {*output.channels}
-        wanted = [name for name in _PLANES if name in channels]
-        names = [plane for name in wanted for plane in _PLANES[name]]
+        wanted = [name for name in PLANES if name in channels]
+        names = [plane for name in wanted for plane in PLANES[name]]
         planes = queue.kept("planes", (len(names) + ("id" in channels), height, width), np.float32)
         floats = planes[: len(names)]
         ids = planes[len(names) :].view(np.uint32)

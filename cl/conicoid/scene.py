@@ -23,6 +23,11 @@ Floats = NDArray[np.float64]
 
 MOST_EXPANDED: Final = 10_000  # quadrics of a set that its canonical form lists one by one
 
+# The float planes of each channel. The kernels write them in this order, whatever order the document asks them in.
+PLANES: Final = {
+    "Z": ("Z",), "T": ("T",), "ZBack": ("ZBack",), "N": ("N.X", "N.Y", "N.Z"), "P": ("P.X", "P.Y", "P.Z"), "A": ("A",)
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class KeptSet:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from conicoid import __version__
 from conicoid.canonical import camera_document
 from conicoid.scene import Camera, Output, Scene
+from conicoid_service.bands import Window
 from conicoid_service.camera_matrices import world_to_camera, world_to_ndc
 
 if TYPE_CHECKING:  # the engine loads OpenCL, which writing an image does not need
@@ -25,7 +26,6 @@ COMPRESSION: Final = {
     "zstd": OpenEXR.ZSTD_COMPRESSION,
 }
 Planes = dict[str, NDArray[Any]]
-Window = tuple[int, int, int, int]
 
 DEPTH_MEANING: Final = "Z, ZBack: planar, along the viewing direction; T: distance along the ray"
 

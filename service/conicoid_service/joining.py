@@ -1,7 +1,7 @@
 """Bands of a frame joined to its file: the bytes that it would have in one piece."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO
 
 import numpy as np
 import OpenEXR
@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from conicoid import __version__
 from conicoid.canonical import view_hash
 from conicoid.data_window import tight_window
-from conicoid.scene import Camera, Output
+from conicoid.scene import PLANES, Camera, Output
 from conicoid_service import exr
 from conicoid_service.bands import Window, band_view
 from conicoid_service.errors import BandsError
-
-_PLANES: Final = {"N": ("N.X", "N.Y", "N.Z"), "P": ("P.X", "P.Y", "P.Z")}
 
 
 def join(stream: BinaryIO, camera: Camera, output: Output, bands: Sequence[BinaryIO], quadrics_hash: str) -> None:
@@ -88,7 +86,7 @@ class _Frame:
         x0, y0, x1, y1 = camera.crop
         self._rows, self._columns = np.zeros(y1 - y0, dtype=np.bool_), np.zeros(x1 - x0, dtype=np.bool_)
         normals = np.float16 if output.half_normals else np.float32
-        names = [name for channel in output.channels for name in _PLANES.get(channel, (channel,))]
+        names = [name for channel in output.channels for name in PLANES.get(channel, (channel,))]
         self._planes: dict[str, NDArray[Any]] = {
             name: np.empty(
                 (y1 - y0, x1 - x0), np.uint32 if name == "id" else normals if name.startswith("N.") else np.float32
