@@ -31,8 +31,6 @@ class Painter:
         storage, device = self._storage, (await self._pipeline.device())["device"]
         view, scene_hash = _view(claim)
         tag = entity_tag(scene_hash, device)
-        if storage.shared:  # else what is missing would be forgotten
-            await storage.do(storage.check_mark)
         known = await storage.insist(storage.shelf.about, tag, now_ms())
         if known is not None:
             return known
